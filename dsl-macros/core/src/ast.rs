@@ -15,6 +15,14 @@ pub(crate) struct Name {
 }
 
 impl Name {
+    /// What is written under another word, and stands where an expression begins.
+    pub(crate) fn at(place: Place, text: String) -> Self {
+        Self {
+            text,
+            ident: Ident::new("_at", place.start),
+        }
+    }
+
     pub(crate) fn place(&self) -> Place {
         Place::at(self.ident.span())
     }

@@ -4,9 +4,10 @@
 mod scan;
 mod spacing;
 
-use crate::words;
-use scan::{Kind, Piece, pieces};
+use crate::{expand, parse, text, words};
+use scan::{Piece, pieces};
 use spacing::{Apart, Line, none};
+use std::collections::HashSet;
 
 /// Longest line.
 const LONGEST: usize = 120;
@@ -18,10 +19,15 @@ const INDENT: &str = "    ";
 /// The text in the settled style, if it is a declaration.
 pub(crate) fn formatted(text: &str) -> String {
     let pieces = pieces(text);
-    let mut writer = Writer::default();
+    let body = text::tokens(text, "scene").ok().and_then(parse::body);
+    let mut writer = Writer {
+        text: String::new(),
+        depth: 0,
+        begins: expand::begins(body.unwrap_or_default()),
+    };
     let first = pieces.iter().position(|piece| !piece.is_comment());
     match first {
-        Some(first) if !begins(&pieces, first) => {
+        Some(first) if !writer.begins.contains(&pieces[first].at) => {
             // `pub Name { ... }`.
             let open = pieces.iter().position(|piece| piece.is("{"));
             let open = open.unwrap_or(pieces.len());
@@ -44,10 +50,11 @@ pub(crate) fn formatted(text: &str) -> String {
     writer.text
 }
 
-#[derive(Default)]
 struct Writer {
     text: String,
     depth: usize,
+    /// Where statements begin, in bytes.
+    begins: HashSet<usize>,
 }
 
 impl Writer {
@@ -91,7 +98,7 @@ impl Writer {
                 rest = &rest[1..];
                 continue;
             }
-            let end = statement_end(rest);
+            let end = statement_end(rest, &self.begins);
             self.space(piece);
             self.statement(&rest[..end]);
             rest = &rest[end..];
@@ -114,7 +121,11 @@ impl Writer {
             .filter(named)
             .filter(|&open| pieces.len() > open + 1 && !remarks(&pieces[..open]))
         else {
-            let of_bodies = words::is_of_bodies(&pieces[0].text) && is_named(pieces, 0);
+            // A part in use may be called so.
+            let is_use = pieces
+                .get(1)
+                .is_some_and(|next| next.is(":") || next.is("["));
+            let of_bodies = words::is_of_bodies(&pieces[0].text) && !is_use;
             let apart: Apart = if of_bodies { words::is_clause } else { none };
             return self.expression(pieces, apart, "");
         };
@@ -194,90 +205,11 @@ impl Writer {
     }
 }
 
-/// Whether `start(...)` or `at(...)` is there, the value of a quantity at the start or at a time, and no statement.
-fn is_value(pieces: &[Piece]) -> bool {
-    let called = pieces.get(1).is_some_and(|next| next.is("("));
-    match pieces[0].text.as_str() {
-        words::START => called,
-        // A time in parentheses has braces or a range behind it.
-        words::AT => {
-            let mut depth = 0_usize;
-            let closes = pieces.iter().skip(1).position(|piece| {
-                depth = match piece.text.as_str() {
-                    "(" => depth + 1,
-                    ")" => depth.saturating_sub(1),
-                    _ => depth,
-                };
-                depth == 0
-            });
-            let behind = closes.and_then(|k| pieces.get(k + 2));
-            called && !behind.is_some_and(|next| next.is("{") || next.text == "in")
-        }
-        _ => false,
-    }
-}
-
-/// Whether a statement begins there, also one that is written out: `count n =`, `part leg(`, `use "leg.hang"`, `left: leg(`.
-fn begins(pieces: &[Piece], index: usize) -> bool {
-    let is = |at: usize, symbol: &str| pieces.get(at).is_some_and(|piece| piece.is(symbol));
-    let is_word = |at: usize| pieces.get(at).is_some_and(|piece| piece.kind == Kind::Word);
-    let text = pieces[index].text.as_str();
-    let before = index.checked_sub(1).map(|before| &pieces[before]);
-    let named = before.is_some_and(|before| match before.kind {
-        Kind::Word => {
-            words::takes_next(&before.text)
-                || words::is_of_bodies(&before.text) && begins(pieces, index - 1)
-        }
-        Kind::Symbol => ![")", "]", "}", ";"].contains(&before.text.as_str()),
-        Kind::Comment => false,
-    });
-    let indices = pieces[index + 1..].iter().position(|piece| piece.is("]"));
-    let colon = match is(index + 1, "[") {
-        true => index + 2 + indices.unwrap_or(0),
-        false => index + 1,
-    };
-    is_word(index)
-        && (words::STATEMENTS.contains(&text)
-            || !named
-                && is_word(index + 1)
-                && (text == "count" && is(index + 2, "=")
-                    || text == "part" && is(index + 2, "(")
-                    || text == "use" && pieces[index + 1].text.starts_with('"'))
-            || !named && is(colon, ":") && is_word(colon + 1) && is(colon + 2, "(")
-            || !named && words::is_of_bodies(text) && is_named(pieces, index))
-}
-
-/// Whether a name stands behind the word of a statement of bodies, or a vector behind that of gravity.
-fn is_named(pieces: &[Piece], index: usize) -> bool {
-    pieces.get(index + 1).is_some_and(|next| match next.kind {
-        Kind::Word => {
-            let behind = pieces.get(index + 2);
-            let marks = [":", ".", ",", "["];
-            !words::is_keyword(&next.text)
-                && (!words::is_clause(&next.text)
-                    || behind.is_some_and(|piece| marks.iter().any(|mark| piece.is(mark))))
-        }
-        _ => pieces[index].text == "gravity" && next.is("("),
-    })
-}
-
-/// Whether `at` stands there of a body or a shape, which has not said yet where it is.
-fn is_place(pieces: &[Piece], index: usize) -> bool {
-    let is_at = |piece: &Piece| piece.text == words::AT;
-    let of_body = ["body", "shape"].contains(&pieces[0].text.as_str());
-    of_body && is_at(&pieces[index]) && !pieces[..index].iter().any(is_at)
-}
-
 /// Where the first statement ends: before the next one, or before what belongs to that.
-fn statement_end(pieces: &[Piece]) -> usize {
+fn statement_end(pieces: &[Piece], begins: &HashSet<usize>) -> usize {
     let mut depth = 0_usize;
     for (index, piece) in pieces.iter().enumerate() {
-        let begins = index > 0
-            && depth == 0
-            && begins(pieces, index)
-            && !is_value(&pieces[index..])
-            && !is_place(pieces, index);
-        if begins {
+        if index > 0 && depth == 0 && begins.contains(&piece.at) {
             // Comments above the next statement are its own; one behind this statement stays there.
             let comments = pieces[..index].iter().rev();
             return index - comments.take_while(|piece| piece.is_comment()).count();

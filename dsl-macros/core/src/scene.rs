@@ -5,6 +5,7 @@ use crate::declaration::{Measured, Over};
 use crate::graph::{self, Compose, Function, Sym, Variable};
 use hangtime_units::Unit;
 use proc_macro2::TokenStream;
+use std::iter;
 
 // Many fields: the parts of a declaration.
 /// A checked scene.
@@ -184,20 +185,20 @@ pub(crate) struct OptimalControl {
 }
 
 impl OptimalControl {
-    /// Replaces every function that a motion is judged by.
-    pub(crate) fn map_functions(&mut self, replace: impl Fn(Sym) -> Sym) {
+    /// All functions that a motion is judged by.
+    pub(crate) fn functions_mut(&mut self) -> impl Iterator<Item = &mut Sym> {
         let lists = [&mut self.constraints, &mut self.at_impacts, &mut self.goals];
-        for condition in lists.into_iter().flatten() {
-            condition.function = replace(condition.function);
-        }
-        for epigraph in &mut self.epigraphs {
-            let rows = epigraph.rows.iter_mut().chain(&mut epigraph.at_start);
-            rows.for_each(|row| *row = replace(*row));
-        }
+        let conditions = lists.into_iter().flatten();
+        let epigraphs = self.epigraphs.iter_mut();
+        let rows = epigraphs.flat_map(|known| known.rows.iter_mut().chain(&mut known.at_start));
         let costs = self.running_cost.iter_mut().chain(&mut self.final_cost);
-        costs
-            .chain(&mut self.sums)
-            .for_each(|value| *value = replace(*value));
+        let conditions = conditions.map(|condition| &mut condition.function);
+        conditions.chain(rows).chain(costs).chain(&mut self.sums)
+    }
+
+    /// Replaces each of them.
+    pub(crate) fn map_functions(&mut self, replace: impl Fn(Sym) -> Sym) {
+        self.functions_mut().for_each(|own| *own = replace(*own));
     }
 }
 
@@ -312,12 +313,8 @@ pub(crate) struct Action {
 }
 
 impl Contact {
-    /// Dry friction: no gap, and a normal force that is given, `bound`, with the coefficient 1.
-    pub(crate) fn dry(
-        name: Name,
-        documentation: Documentation,
-        (sliding, bound): (Sym, Sym),
-    ) -> Self {
+    /// Nothing but its name, and its documentation.
+    pub(crate) fn new(name: Name, documentation: Documentation) -> Self {
         Self {
             name,
             documentation,
@@ -328,6 +325,22 @@ impl Contact {
             held: Vec::new(),
             sequence: false,
             restitution: None,
+            friction: None,
+            bound: None,
+            loads: Vec::new(),
+            joint_loads: Vec::new(),
+            switch: None,
+            reset: Vec::new(),
+        }
+    }
+
+    /// Dry friction: no gap, and a normal force that is given, `bound`, with the coefficient 1.
+    pub(crate) fn dry(
+        name: Name,
+        documentation: Documentation,
+        (sliding, bound): (Sym, Sym),
+    ) -> Self {
+        Self {
             friction: Some(Friction {
                 coefficient: Sym::ONE,
                 kinetic: None,
@@ -336,15 +349,28 @@ impl Contact {
                 across: None,
             }),
             bound: Some(bound),
-            loads: Vec::new(),
-            joint_loads: Vec::new(),
-            switch: None,
-            reset: Vec::new(),
+            ..Self::new(name, documentation)
         }
     }
-}
 
-impl Contact {
+    /// All functions that say how it acts.
+    pub(crate) fn functions_mut(&mut self) -> impl Iterator<Item = &mut Sym> {
+        let action = self.switch.iter_mut();
+        let action = action.flat_map(|action| action.force.iter_mut().chain(&mut action.usual));
+        let friction = self.friction.iter_mut().flat_map(|law| {
+            let sliding = iter::once(&mut law.sliding);
+            sliding.chain(&mut law.share).chain(&mut law.across)
+        });
+        let loads = self.loads.iter_mut().chain(&mut self.joint_loads);
+        iter::once(&mut self.gap)
+            .chain(&mut self.bound)
+            .chain(loads.map(|(_, factor)| factor))
+            .chain(self.along.iter_mut().flatten())
+            .chain(friction)
+            .chain(action)
+            .chain(self.reset.iter_mut().map(|(_, value)| value))
+    }
+
     /// All `n` velocities right after it has come true, if it is a condition that sets some of them.
     pub(crate) fn velocities_set(&self, n: usize) -> Option<Vec<Sym>> {
         let velocities = (0..n).map(|i| Sym::variable(Variable::Velocity(i as u16)));

@@ -428,31 +428,19 @@ impl Scan<'_> {
         let count = rest.len() - rest.trim_start_matches('\'').len();
         let is_part = |c: char| c.is_alphanumeric() || c == '_';
         let name = &before[before.trim_end_matches(is_part).len()..];
-        let (start, message) = if name.is_empty() {
-            (
-                self.at,
-                "`'` has no meaning here; the rate of a quantity `y` is written `dot(y)`".into(),
-            )
+        let start = self.at - name.len();
+        let message = if name.is_empty() {
+            "`'` has no meaning here; the rate of a quantity `y` is written `dot(y)`".to_owned()
         } else if rest[count..].starts_with('(') {
-            let start = self.at - name.len();
             let inner = "diff(".repeat(count) + name + &")".repeat(count);
-            (
-                start,
-                format!("write `{inner}(...)` for the derivative of the function `{name}`"),
-            )
+            format!("write `{inner}(...)` for the derivative of the function `{name}`")
         } else if count == 1 {
-            let start = self.at - name.len();
-            (
-                start,
-                format!("write `dot({name})` for the rate of `{name}`, instead of `{name}'`"),
-            )
+            format!("write `dot({name})` for the rate of `{name}`, instead of `{name}'`")
         } else {
-            let start = self.at - name.len();
-            let message = format!(
+            format!(
                 "write `dot({name})` for the rate of `{name}`; accelerations are derived and do not occur in a \
                  declaration"
-            );
-            (start, message)
+            )
         };
         self.mistakes
             .push(TextMistake::new(start..self.at + count, message));
@@ -465,7 +453,7 @@ fn closes(open: char, close: char) -> bool {
 }
 
 /// Length of a comment, which may hold others.
-fn comment(text: &str) -> Option<usize> {
+pub(crate) fn comment(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let (mut depth, mut at) = (0_usize, 0);
     while at + 1 < bytes.len() {
@@ -486,7 +474,7 @@ fn comment(text: &str) -> Option<usize> {
 }
 
 /// Length of a string literal.
-fn string(text: &str) -> Option<usize> {
+pub(crate) fn string(text: &str) -> Option<usize> {
     let mut escaped = false;
     for (at, c) in text.char_indices().skip(1) {
         match c {

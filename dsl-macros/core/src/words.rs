@@ -98,196 +98,109 @@ pub(crate) fn is_clause(word: &str) -> bool {
 }
 
 /// Functions of other languages, and what is written instead.
-pub(crate) const FOREIGN: [(&str, &str); 12] = [
-    ("log", "the natural logarithm is `ln`"),
-    ("pow", "powers are written `x^2`"),
-    ("powi", "powers are written `x^2`"),
-    ("powf", "powers are written `x^2`"),
-    ("square", "powers are written `x^2`"),
-    ("d", "the rate of `y` is `dot(y)`"),
-    ("ddt", "the rate of `y` is `dot(y)`"),
-    ("der", "the rate of `y` is `dot(y)`"),
-    ("derivative", "the rate of `y` is `dot(y)`"),
+const FOREIGN: [(&[&str], &str); 5] = [
+    (&["log"], "the natural logarithm is `ln`"),
     (
-        "ddot",
-        "accelerations follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
+        &["pow", "powi", "powf", "square"],
+        "powers are written `x^2`",
     ),
     (
-        "acc",
+        &["d", "ddt", "der", "derivative"],
+        "the rate of `y` is `dot(y)`",
+    ),
+    (
+        &["ddot", "acc"],
         "accelerations follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
     ),
-    ("norm", "the length of a vector is `|v|`"),
+    (&["norm"], "the length of a vector is `|v|`"),
 ];
 
 /// Statements that there are not, and what is written instead.
-const OTHERWISE: [(&str, &str); 44] = [
+const OTHERWISE: [(&[&str], &str); 18] = [
     (
-        "maximize",
+        &["maximize", "maximise"],
         "what is to be large is minimized with its sign changed, as in `minimize -(...)`",
     ),
     (
-        "maximise",
-        "what is to be large is minimized with its sign changed, as in `minimize -(...)`",
-    ),
-    (
-        "subject",
+        &["subject"],
         "conditions at the end stand in `finally { ... }`, others in `constraint`",
     ),
-    ("objective", "an objective begins with `minimize`"),
-    ("cost", "an objective begins with `minimize`"),
     (
-        "initial",
+        &["objective", "cost"],
+        "an objective begins with `minimize`",
+    ),
+    (
+        &["initial", "initially", "init", "guess"],
         "values at the begin stand in `start { x: ..., dot(x): ... }`",
     ),
     (
-        "initially",
-        "values at the begin stand in `start { x: ..., dot(x): ... }`",
-    ),
-    (
-        "init",
-        "values at the begin stand in `start { x: ..., dot(x): ... }`",
-    ),
-    (
-        "guess",
-        "values at the begin stand in `start { x: ..., dot(x): ... }`",
-    ),
-    (
-        "goal",
+        &["goal", "target", "terminal"],
         "conditions at the end stand in `finally { x == ... }`",
     ),
     (
-        "target",
-        "conditions at the end stand in `finally { x == ... }`",
-    ),
-    (
-        "terminal",
-        "conditions at the end stand in `finally { x == ... }`",
-    ),
-    (
-        "constants",
+        &["constants", "constant", "const", "params"],
         "numbers with names stand in `parameters { m: kg = 1 }`",
     ),
     (
-        "constant",
-        "numbers with names stand in `parameters { m: kg = 1 }`",
-    ),
-    (
-        "const",
-        "numbers with names stand in `parameters { m: kg = 1 }`",
-    ),
-    (
-        "params",
-        "numbers with names stand in `parameters { m: kg = 1 }`",
-    ),
-    (
-        "variables",
+        &["variables", "unknowns"],
         "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
     ),
     (
-        "state",
-        "what changes at a rate stands in `states { a: A }`, and the rate in `rates { a: ... }`; what moves stands in \
-         `coordinates { x: m }`",
+        &["state"],
+        "what changes at a rate stands in `states { a: A }`, and the rate in `rates { a: ... }`; what moves stands in `coordinates { x: m }`",
     ),
-    ("rate", "the rates of states stand in `rates { a: ... }`"),
+    (&["rate"], "the rates of states stand in `rates { a: ... }`"),
     (
-        "unknowns",
-        "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
-    ),
-    (
-        "inputs",
+        &["inputs", "input", "actuators"],
         "what is to be found over the time stands in `controls { u: N in -1..=1 }`",
     ),
     (
-        "input",
-        "what is to be found over the time stands in `controls { u: N in -1..=1 }`",
-    ),
-    (
-        "actuators",
-        "what is to be found over the time stands in `controls { u: N in -1..=1 }`",
-    ),
-    (
-        "kinetic",
+        &["kinetic", "potential", "energy"],
         "energies stand in one `lagrangian`, kinetic minus potential",
     ),
     (
-        "potential",
-        "energies stand in one `lagrangian`, kinetic minus potential",
-    ),
-    (
-        "energy",
-        "energies stand in one `lagrangian`, kinetic minus potential",
-    ),
-    (
-        "damping",
+        &["damping", "damper", "drag"],
         "what brakes stands in `dissipation c/2*dot(x)^2` or `forces { x: -c*dot(x) }`",
     ),
     (
-        "damper",
-        "what brakes stands in `dissipation c/2*dot(x)^2` or `forces { x: -c*dot(x) }`",
-    ),
-    (
-        "drag",
-        "what brakes stands in `dissipation c/2*dot(x)^2` or `forces { x: -c*dot(x) }`",
-    ),
-    (
-        "force",
+        &["force", "torque", "load"],
         "what acts stands in `forces { x: ... }`, an entry for each coordinate",
     ),
     (
-        "torque",
-        "what acts stands in `forces { x: ... }`, an entry for each coordinate",
-    ),
-    (
-        "load",
-        "what acts stands in `forces { x: ... }`, an entry for each coordinate",
-    ),
-    (
-        "equations",
+        &["equations", "equation", "dynamics", "ode"],
         "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
     ),
     (
-        "equation",
-        "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
-    ),
-    (
-        "dynamics",
-        "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
-    ),
-    (
-        "ode",
-        "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
-    ),
-    (
-        "ground",
+        &["ground", "wall", "obstacle"],
         "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
     ),
     (
-        "wall",
-        "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
-    ),
-    (
-        "obstacle",
-        "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
-    ),
-    (
-        "bounds",
+        &["bounds"],
         "bounds stand behind a name where it is declared, as in `controls { u: N in -1..=1 }`",
     ),
-    ("duration", "the duration of a motion is `horizon 2 [s]`"),
-    ("tend", "the duration of a motion is `horizon 2 [s]`"),
     (
-        "plot",
-        "what is recorded stands in `outputs { name: unit = ... }`",
+        &["duration", "tend"],
+        "the duration of a motion is `horizon 2 [s]`",
     ),
     (
-        "record",
+        &["plot", "record"],
         "what is recorded stands in `outputs { name: unit = ... }`",
     ),
 ];
 
+/// What is written instead of a function of another language.
+pub(crate) fn foreign(text: &str) -> Option<&'static str> {
+    instead(&FOREIGN, text)
+}
+
+fn instead(known: &[(&[&str], &'static str)], text: &str) -> Option<&'static str> {
+    let mut known = known.iter();
+    known.find_map(|(words, instead)| words.contains(&text).then_some(*instead))
+}
+
 /// What is said of a word where a statement begins that there is not, if it is near to one or known otherwise.
 pub(crate) fn unknown_statement(text: &str, near: Option<&str>) -> Option<String> {
-    if let Some((_, instead)) = OTHERWISE.iter().find(|(word, _)| *word == text) {
+    if let Some(instead) = instead(&OTHERWISE, text) {
         return Some(format!("there is no statement `{text}`; {instead}"));
     }
     near.map(|near| format!("unknown statement `{text}`; did you mean `{near}`?"))
@@ -405,27 +318,9 @@ pub(crate) const SHAPES: [&str; 7] = [
 /// Words in front of the properties of a shape, where an expression ends.
 pub(crate) const PROPERTIES: [&str; 7] = ["at", "angle", "radius", "size", "corners", "to", "over"];
 
-/// Words of `picture` before which an expression ends.
-pub(crate) const PICTURE: [&str; 14] = [
-    "at",
-    "angle",
-    "radius",
-    "size",
-    "corners",
-    "to",
-    "over",
-    "point",
-    "circle",
-    "rectangle",
-    "polygon",
-    "link",
-    "spring",
-    "curve",
-];
-
-/// Whether a word of a picture stands apart from what follows.
+/// Whether a word of a picture stands apart from what follows, so that an expression ends before it.
 pub(crate) fn is_of_picture(word: &str) -> bool {
-    PICTURE.contains(&word)
+    PROPERTIES.contains(&word) || SHAPES.contains(&word)
 }
 
 /// Functions with a kink or a jump, which dynamics must not have.

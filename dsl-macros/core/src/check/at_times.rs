@@ -10,6 +10,7 @@ use super::values::condition_at_an_instant;
 use super::{resets, states};
 use crate::ast::{Assignment, Condition, Documentation, Expr, Name, Relation};
 use crate::diagnostics::{Checked, Reported, all};
+use crate::dimension::Dimension;
 use crate::graph::{self, Sym, Variable};
 use crate::scene;
 
@@ -55,10 +56,7 @@ pub(super) fn at(
         .collect();
     checker.laws.resets.push(Reset {
         documentation: Default::default(),
-        name: Name {
-            text: moment.shown.clone(),
-            ident: proc_macro2::Ident::new("at", time.place.start),
-        },
+        name: Name::at(time.place, moment.shown.clone()),
         function: Sym::variable(Variable::Time) - moment.time,
         values: values
             .into_iter()
@@ -105,18 +103,33 @@ fn reached(checker: &mut Checker<'_>, time: &Expr) -> Checked<(usize, Sym)> {
     let state = states
         .position(|state| state.name.text == name)
         .ok_or(Reported)?;
-    let condition = scene::Condition {
-        name,
-        documentation: Documentation::default(),
-        function: Sym::variable(states::variable(checker, state)),
-        equality: false,
-        unit: None,
-    };
     // That the time has come.
     let unit = checker.scope.units.one();
+    ask(
+        checker,
+        (name, Documentation::default()),
+        (state, false),
+        unit,
+    );
+    Ok((state, Sym::ONE))
+}
+
+/// Asks for the value of a state at the end: 0 as an equation, and no less than that otherwise.
+fn ask(
+    checker: &mut Checker<'_>,
+    (name, documentation): (String, Documentation),
+    (state, equality): (usize, bool),
+    unit: Dimension,
+) {
+    let condition = scene::Condition {
+        name,
+        documentation,
+        function: Sym::variable(states::variable(checker, state)),
+        equality,
+        unit: None,
+    };
     let pieces = vec![condition];
     checker.task.goals.push(Asked { pieces, unit });
-    Ok((state, Sym::ONE))
 }
 
 /// Evaluates a condition and declares what it asks for; the state that records it, and the value that is recorded.
@@ -140,18 +153,9 @@ fn one(checker: &mut Checker<'_>, condition: &Condition, time: &Expr) -> Checked
         let place = condition.left.place.to(condition.right.place);
         return Err(checker.diagnostics.report("E15", place, message));
     }
-    let function = Sym::variable(states::variable(checker, state));
-    let asked = scene::Condition {
-        name,
-        documentation: condition.documentation.clone(),
-        function,
-        equality: condition.relation == Relation::Equal,
-        unit: None,
-    };
-    checker.task.goals.push(Asked {
-        pieces: vec![asked],
-        unit: value.unit,
-    });
+    let said = (name, condition.documentation.clone());
+    let equality = condition.relation == Relation::Equal;
+    ask(checker, said, (state, equality), value.unit);
     Ok((state, value.sym))
 }
 

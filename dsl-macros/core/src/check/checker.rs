@@ -323,52 +323,36 @@ impl Checker<'_> {
     /// Whether a name may be declared.
     pub(super) fn new_name(&mut self, name: &Name, what: &str) -> Checked<()> {
         let text = name.text.as_str();
-        let place = name.place();
-        if self.scope.names.contains_key(text) {
-            return Err(self.diagnostics.report(
-                "E19",
-                place,
-                format!("`{text}` is declared twice; rename this {what}"),
-            ));
-        }
-        if words::RESERVED.contains(&text) {
+        let is_function = words::FUNCTIONS.contains(&text)
+            || words::SPECIAL_FUNCTIONS.contains(&text)
+            || words::NONSMOOTH.contains(&text)
+            || text == words::INTEGRAL;
+        let (code, why) = if self.scope.names.contains_key(text) {
+            ("E19", format!(" is declared twice; rename this {what}"))
+        } else if words::RESERVED.contains(&text) {
             let meaning = match text {
                 "t" | "time" => "the physical time",
                 "pi" => "the number pi",
                 _ => "the clock of the time-freezing reformulation",
             };
-            return Err(self.diagnostics.report(
+            (
                 "E11",
-                place,
-                format!("`{text}` is reserved for {meaning}; choose another name"),
-            ));
-        }
-        if words::is_rust_word(text) && !self.diagnostics.is_data {
-            return Err(self.diagnostics.report(
-                "E11",
-                place,
-                format!("`{text}` is a word of Rust and cannot be a field; choose another name"),
-            ));
-        }
-        if text.starts_with("__") || text == "_" {
-            return Err(self.diagnostics.report(
-                "E11",
-                place,
-                format!("`{text}`: names that begin with `__` are reserved; choose another name"),
-            ));
-        }
-        if words::FUNCTIONS.contains(&text)
-            || words::SPECIAL_FUNCTIONS.contains(&text)
-            || words::NONSMOOTH.contains(&text)
-            || text == words::INTEGRAL
-        {
-            return Err(self.diagnostics.report(
-                "E19",
-                place,
-                format!("`{text}` is the name of a function; choose another name"),
-            ));
-        }
-        Ok(())
+                format!(" is reserved for {meaning}; choose another name"),
+            )
+        } else if words::is_rust_word(text) && !self.diagnostics.is_data {
+            let why = " is a word of Rust and cannot be a field; choose another name";
+            ("E11", why.to_owned())
+        } else if text.starts_with("__") || text == "_" {
+            let why = ": names that begin with `__` are reserved; choose another name";
+            ("E11", why.to_owned())
+        } else if is_function {
+            let why = " is the name of a function; choose another name";
+            ("E19", why.to_owned())
+        } else {
+            return Ok(());
+        };
+        let message = format!("`{text}`{why}");
+        Err(self.diagnostics.report(code, name.place(), message))
     }
 
     /// A value that may depend on parameters only.

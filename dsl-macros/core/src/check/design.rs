@@ -5,7 +5,7 @@ use super::values::{self, DECLARED, Target};
 use crate::ast::Quantity;
 use crate::diagnostics::{Checked, Diagnostics};
 use crate::graph::{self, Sym, Variable};
-use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
+use crate::scene::{CheckedScene, Contact, OptimalControl};
 
 /// E17: the ranges of free parameters, which hold the values that these begin with.
 pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Checked<()> {
@@ -48,14 +48,14 @@ pub(super) fn finish(
     }
     let mut functions = dynamics.to_vec();
     for contact in contacts {
-        functions.extend(contact.reset.iter().map(|known| known.1));
-        functions.extend(contact.friction.iter().map(|known| known.sliding));
         functions.extend(contact.restitution);
         functions.extend(contact.friction.iter().map(|known| known.coefficient));
         functions.extend(contact.friction.iter().filter_map(|known| known.kinetic));
     }
     functions.extend(checker.horizon);
-    functions.extend(task.into_iter().flat_map(functions_of));
+    if let Some(mut task) = task.cloned() {
+        functions.extend(task.functions_mut().map(|function| *function));
+    }
     let read = graph::variables(&functions);
     for free in &checker.free_parameters {
         let name = &checker.parameters[usize::from(free.index)].name;
@@ -76,18 +76,6 @@ pub(super) fn finish(
         };
         checker.diagnostics.report("E15", name.place(), message);
     }
-}
-
-/// Costs and the functions of conditions.
-fn functions_of(task: &OptimalControl) -> Vec<Sym> {
-    let lists = [&task.constraints, &task.at_impacts, &task.goals];
-    let conditions = lists.into_iter().flatten();
-    let mut functions: Vec<Sym> = conditions.map(|known: &Condition| known.function).collect();
-    functions.extend(task.epigraphs.iter().flat_map(|known| &known.rows));
-    functions.extend(task.running_cost);
-    functions.extend(task.final_cost);
-    functions.extend(&task.sums);
-    functions
 }
 
 /// Reports what of a scene depends on parameters that are to become coordinates without motion, but has to be the same for

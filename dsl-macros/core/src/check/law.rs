@@ -434,10 +434,9 @@ pub(super) fn contacts(
             failed = true;
             continue;
         };
+        let name = surface.contact_name();
         contacts.push(Contact {
-            name: surface.contact_name(),
             unit: checker.scope.units.gap(&surface.name.text),
-            documentation: surface.documentation,
             gap: surface.gap,
             alternatives: surface.alternatives,
             along: law.along,
@@ -445,11 +444,7 @@ pub(super) fn contacts(
             sequence: law.sequence,
             restitution: law.restitution,
             friction,
-            bound: None,
-            loads: Vec::new(),
-            joint_loads: Vec::new(),
-            switch: None,
-            reset: Vec::new(),
+            ..Contact::new(name, surface.documentation)
         });
     }
     if failed { Err(Reported) } else { Ok(contacts) }

@@ -423,17 +423,7 @@ fn dynamics(
     let mut dynamics: Vec<Sym> = vec![lagrangian];
     dynamics.extend(forces);
     for contact in contacts {
-        dynamics.push(contact.gap);
-        dynamics.extend(contact.bound);
-        let loads = contact.loads.iter().chain(&contact.joint_loads);
-        dynamics.extend(loads.map(|(_, factor)| *factor));
-        dynamics.extend(contact.along.iter().flatten());
-        let friction = contact.friction.iter();
-        dynamics.extend(friction.clone().map(|friction| friction.sliding));
-        dynamics.extend(friction.clone().filter_map(|friction| friction.share));
-        dynamics.extend(friction.filter_map(|friction| friction.across));
-        dynamics.extend(contact.switch.iter().flat_map(|action| &action.force));
-        dynamics.extend(contact.reset.iter().map(|&(_, value)| value));
+        dynamics.extend(contact.clone().functions_mut().map(|function| *function));
     }
     dynamics.extend(joints.iter().flat_map(|joint| &joint.rows));
     dynamics

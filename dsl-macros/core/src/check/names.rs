@@ -233,19 +233,12 @@ fn declare_recorded(checker: &mut Checker<'_>, statements: &[Statement]) {
 
 /// The name of the state that tells whether a time has come.
 pub(super) fn reached(time: &Expr) -> Name {
-    Name {
-        text: format!("t >= {time}"),
-        ident: proc_macro2::Ident::new("at", time.place.start),
-    }
+    Name::at(time.place, format!("t >= {time}"))
 }
 
 /// The name of the state that records a condition.
 pub(super) fn recorded(condition: &Condition, time: &Expr) -> Name {
-    let place = condition.left.place;
-    Name {
-        text: format!("{condition} at {time}"),
-        ident: proc_macro2::Ident::new("at", place.start),
-    }
+    Name::at(condition.left.place, format!("{condition} at {time}"))
 }
 
 fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {

@@ -51,10 +51,7 @@ pub(super) fn when(
     checker.diagnostics.none_since(before)?;
     checker.laws.resets.push(Reset {
         documentation: condition.documentation.clone(),
-        name: Name {
-            text: shown,
-            ident: proc_macro2::Ident::new("when", place.start),
-        },
+        name: Name::at(place, shown),
         function,
         values,
     });

@@ -123,7 +123,7 @@ pub(super) fn inertia(
     result
 }
 
-/// E13: roots and norms that are not differentiable at rest.
+/// E13: roots and norms that are not differentiable at rest, or where a contact is open.
 pub(super) fn smooth(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Checked<()> {
     // States, which are velocities behind those of the mechanism, are at rest nowhere by themselves.
     let states = checker.coordinates.len();
@@ -131,74 +131,46 @@ pub(super) fn smooth(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Chec
         Variable::Velocity(index) => usize::from(index) < states,
         _ => false,
     };
-    for sym in graph::reachable(&[value]) {
-        let Node::Product(factors) = sym.node() else {
-            continue;
-        };
-        for &(factor, halves) in factors.iter() {
-            if halves % 2 == 0 || !graph::depends_on(factor, is_velocity) {
-                continue;
-            }
-            let at_rest = graph::substitute(&[factor], |variable| {
-                is_velocity(variable).then_some(Sym::ZERO)
-            });
-            if at_rest[0].is_structural_zero() {
-                return Err(checker.diagnostics.report(
-                    "E13",
-                    expr.place,
-                    "a root or norm of velocities is not differentiable at rest; square it, as in \
-                     `|dot(p)|^2`",
-                ));
-            }
-        }
-    }
-    of_contacts(value, expr, checker)?;
-    for sym in graph::reachable(&[value]) {
-        if let Node::Call(Function::Root | Function::Cbrt | Function::Ln, argument) = sym.node()
-            && graph::depends_on(argument, is_velocity)
-            && graph::substitute(&[argument], |variable| {
-                is_velocity(variable).then_some(Sym::ZERO)
-            })[0]
-                .is_structural_zero()
-        {
-            return Err(checker.diagnostics.report(
-                "E13",
-                expr.place,
-                "a root, norm or logarithm of velocities is not differentiable at rest; square a norm, as in \
-                 `|dot(p)|^2`",
-            ));
-        }
-    }
-    Ok(())
+    let at_rest = |part: Sym| graph::vanishes_with(part, is_velocity);
+    let parts = graph::reachable(&[value]);
+    let is_root = |part: &Sym| match part.node() {
+        Node::Product(factors) => factors
+            .iter()
+            .any(|&(factor, halves)| halves % 2 != 0 && at_rest(factor)),
+        _ => false,
+    };
+    let is_called = |part: &Sym| match part.node() {
+        Node::Call(Function::Root | Function::Cbrt | Function::Ln, argument) => at_rest(argument),
+        _ => false,
+    };
+    let message = if parts.iter().any(is_root) {
+        "a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`"
+            .to_owned()
+    } else if parts.iter().any(of_open_contact) {
+        format!(
+            "`{expr}` has a root, a logarithm or the reciprocal of the force or impulse of a contact, which is 0 \
+             while the contact is open; use powers of it, as in `force(ground)^2`"
+        )
+    } else if parts.iter().any(is_called) {
+        "a root, norm or logarithm of velocities is not differentiable at rest; square a norm, as in \
+         `|dot(p)|^2`"
+            .to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(checker.diagnostics.report("E13", expr.place, message))
 }
 
-/// E13: forces and impulses are 0 while a contact is open, where their roots have no derivative and their reciprocals no
-/// value.
-fn of_contacts(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Checked<()> {
-    let vanishes = |factor: Sym| {
-        graph::depends_on(factor, Variable::is_of_contact)
-            && graph::substitute(&[factor], |variable| {
-                variable.is_of_contact().then_some(Sym::ZERO)
-            })[0]
-                .is_structural_zero()
-    };
-    for sym in graph::reachable(&[value]) {
-        let singular = match sym.node() {
-            Node::Product(factors) => factors
-                .iter()
-                .any(|&(factor, halves)| (halves < 0 || halves % 2 != 0) && vanishes(factor)),
-            Node::Call(Function::Cbrt | Function::Ln, argument) => vanishes(argument),
-            _ => false,
-        };
-        if singular {
-            let message = format!(
-                "`{expr}` has a root, a logarithm or the reciprocal of the force or impulse of a contact, which is 0 \
-                 while the contact is open; use powers of it, as in `force(ground)^2`"
-            );
-            return Err(checker.diagnostics.report("E13", expr.place, message));
-        }
+/// Whether something has no derivative or no value where forces and impulses are 0, as they are while a contact is open.
+fn of_open_contact(part: &Sym) -> bool {
+    let vanishes = |part| graph::vanishes_with(part, Variable::is_of_contact);
+    match part.node() {
+        Node::Product(factors) => factors
+            .iter()
+            .any(|&(factor, halves)| (halves < 0 || halves % 2 != 0) && vanishes(factor)),
+        Node::Call(Function::Cbrt | Function::Ln, argument) => vanishes(argument),
+        _ => false,
     }
-    Ok(())
 }
 
 /// E07 and E09: a surface depends on coordinates, on nothing else that moves, and has a normal.

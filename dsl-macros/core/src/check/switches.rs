@@ -12,6 +12,7 @@
 
 use super::branch;
 use super::checker::Checker;
+use crate::ast::Name;
 use crate::derive::simplify;
 use crate::diagnostics::Checked;
 use crate::evaluate::Switch;
@@ -126,11 +127,7 @@ fn usual(checker: &Checker<'_>, variable: Variable) -> Option<Sym> {
 }
 
 fn contact(switch: &Switch, action: Action) -> Contact {
-    let mut name = crate::ast::Name {
-        text: switch.shown.clone(),
-        ident: proc_macro2::Ident::new("switch", switch.place.start),
-    };
-    name.text.retain(|c| c != '\n');
+    let name = Name::at(switch.place, switch.shown.replace('\n', ""));
     let documentation = crate::ast::Documentation::default();
     Contact {
         switch: Some(action),

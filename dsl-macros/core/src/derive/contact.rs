@@ -12,7 +12,6 @@ use super::contact_equations::{ContactEquations, FrictionEquations, InverseInert
 use super::contacts::{Contacts, Derived};
 use super::held::along_motion;
 use super::implicit::{self, Implicit, WRITTEN_OUT};
-use super::joint_row::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::shared::{Columns, Directed};
@@ -110,17 +109,10 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
 
 /// What the directions of all contacts are derived from: the whole mechanism, or the part of it that a contact moves.
 pub(super) struct Mechanism<'a> {
-    pub(super) mass: &'a [Sym],
-    pub(super) momenta: &'a [Sym],
-    /// Whether the entries of the mass matrix multiply a vector in fewer operations than the momenta.
-    pub(super) by_entries: bool,
-    /// Whether the momenta are evaluated in steps.
-    pub(super) in_steps: bool,
-    /// The coordinates that these belong to, increasing.
-    pub(super) coordinates: &'a [usize],
+    /// Its inertia, without locked coordinates.
+    pub(super) inertia: implicit::Locked<'a>,
     /// Number of coordinates of the scene.
     pub(super) all: usize,
-    pub(super) joints: &'a [Row],
     /// The inverse mass matrix by formulas, of few coordinates.
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
@@ -232,7 +224,7 @@ impl Mechanism<'_> {
 
     /// Whether contacts may be derived by the part of the mechanism that they move.
     fn may_have_parts(&self, contact: &Contact) -> bool {
-        self.written_out.is_none() && contact.along.is_none() && self.joints.is_empty()
+        self.written_out.is_none() && contact.along.is_none() && self.inertia.joints.is_empty()
     }
 
     /// All that a contact of a part of the mechanism is derived from.
@@ -249,8 +241,8 @@ impl Mechanism<'_> {
         formulas.push(Sym::ZERO);
         for &i in part {
             formulas.push(number(usize::from(i < self.moving)));
-            formulas.push(self.momenta[i]);
-            formulas.extend(part.iter().map(|&j| self.mass[i * self.all + j]));
+            formulas.push(self.inertia.momenta[i]);
+            formulas.extend(part.iter().map(|&j| self.inertia.mass[i * self.all + j]));
         }
         formulas
     }
@@ -283,7 +275,7 @@ impl Mechanism<'_> {
         let mut next = 0;
         while let Some(&i) = part.get(next) {
             next += 1;
-            let coupled = &self.mass[i * n..(i + 1) * n];
+            let coupled = &self.inertia.mass[i * n..(i + 1) * n];
             for (j, (moved, mass)) in moved.iter_mut().zip(coupled).enumerate() {
                 if !*moved && !mass.is_structural_zero() {
                     *moved = true;
@@ -308,21 +300,29 @@ impl Mechanism<'_> {
         let (n, size) = (self.all, coordinates.len());
         let rows = coordinates.iter();
         let mass: Vec<Sym> = rows
-            .flat_map(|&i| coordinates.iter().map(move |&j| self.mass[i * n + j]))
+            .flat_map(|&i| {
+                coordinates
+                    .iter()
+                    .map(move |&j| self.inertia.mass[i * n + j])
+            })
             .collect();
-        let momenta: Vec<Sym> = coordinates.iter().map(|&i| self.momenta[i]).collect();
+        let momenta: Vec<Sym> = coordinates
+            .iter()
+            .map(|&i| self.inertia.momenta[i])
+            .collect();
         let factors =
             Factorization::stepwise(&mass, size).map_err(|row| Failure::SingularMass {
                 coordinate: coordinates[row],
             })?;
         let part = Mechanism {
-            mass: &mass,
-            momenta: &momenta,
-            by_entries: self.by_entries,
-            in_steps: self.in_steps,
-            coordinates,
+            inertia: implicit::Locked {
+                mass: &mass,
+                momenta: &momenta,
+                coordinates,
+                joints: &[],
+                ..self.inertia
+            },
             all: n,
-            joints: &[],
             // Simplified formulas are for reading; of many contacts they take long.
             formulas: None,
             written_out: Some(&factors),
@@ -336,7 +336,11 @@ impl Mechanism<'_> {
 
     /// The components of a vector that belong to this part.
     fn own(&self, vector: &[Sym]) -> Vec<Sym> {
-        self.coordinates.iter().map(|&i| vector[i]).collect()
+        self.inertia
+            .coordinates
+            .iter()
+            .map(|&i| vector[i])
+            .collect()
     }
 
     /// A contact with these gap, normal velocity, curvature and normal; `held` are rows of this part.
@@ -346,10 +350,10 @@ impl Mechanism<'_> {
         held: &[usize],
         (mut rows, curvature, normal): (Vec<Sym>, Sym, Vec<Sym>),
     ) -> Result<ContactEquations, Failure> {
-        let n = self.momenta.len();
+        let n = self.inertia.momenta.len();
         let own_normal = self.own(&normal);
         let singular = |row: usize| Failure::SingularMass {
-            coordinate: self.coordinates[row],
+            coordinate: self.inertia.coordinates[row],
         };
         let inertia = self.holding(held);
         let shares = held.is_empty();
@@ -357,7 +361,7 @@ impl Mechanism<'_> {
             _ if held.is_empty() => (None, None),
             (formulas, factors) => (
                 formulas
-                    .map(|_| Inertia::locked(self.mass, n, held))
+                    .map(|_| Inertia::locked(self.inertia.mass, n, held))
                     .transpose()
                     .map_err(singular)?,
                 factors
@@ -474,20 +478,15 @@ impl Mechanism<'_> {
     /// The inertia with coordinates locked.
     fn holding<'h>(&'h self, held: &'h [usize]) -> implicit::Locked<'h> {
         implicit::Locked {
-            mass: self.mass,
-            momenta: self.momenta,
-            by_entries: self.by_entries,
-            in_steps: self.in_steps,
-            coordinates: self.coordinates,
             held,
-            joints: self.joints,
+            ..self.inertia
         }
     }
 
     /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
-        let slip = slip(friction.sliding, (self.momenta.len(), self.moving));
+        let slip = slip(friction.sliding, (self.inertia.momenta.len(), self.moving));
         let scale = simplify(self.size_of_force(&slip.2));
         let action = slip.2.clone();
         self.given(slip, &action, scale, simplify(scale * bound))
@@ -498,7 +497,7 @@ impl Mechanism<'_> {
         let n = force.len();
         let terms = force.iter().enumerate();
         terms
-            .map(|(k, &f)| f * f * self.mass[k * n + k].power(-2))
+            .map(|(k, &f)| f * f * self.inertia.mass[k * n + k].power(-2))
             .sum()
     }
 
@@ -506,7 +505,7 @@ impl Mechanism<'_> {
     /// the switch changes the rate of its function by. Where it does not change that, as a kink never does, the function is only passed,
     /// and `D` is 1.
     fn switch(&self, action: &Action, friction: &Friction) -> ContactEquations {
-        let slip = slip(friction.sliding, (self.momenta.len(), self.moving));
+        let slip = slip(friction.sliding, (self.inertia.momenta.len(), self.moving));
         let passes = action.kink || !self.couples(&slip.2, &action.force);
         let scale = if passes {
             Sym::ONE
@@ -527,15 +526,7 @@ impl Mechanism<'_> {
     /// mass matrix.
     fn couples(&self, gradient: &[Sym], action: &[Sym]) -> bool {
         let n = gradient.len();
-        let mut block: Vec<usize> = (0..n).collect();
-        for _ in 0..n {
-            for (k, entry) in self.mass.iter().enumerate() {
-                if !entry.is_structural_zero() {
-                    let least = block[k / n].min(block[k % n]);
-                    (block[k / n], block[k % n]) = (least, least);
-                }
-            }
-        }
+        let block = implicit::blocks(self.inertia.mass, n);
         let entries = |vector: &[Sym]| -> Vec<usize> {
             let nonzero = (0..n).filter(|&k| !vector[k].is_structural_zero());
             nonzero.map(|k| block[k]).collect()
@@ -553,7 +544,7 @@ impl Mechanism<'_> {
         scale: Sym,
         pressed: Sym,
     ) -> ContactEquations {
-        let n = self.momenta.len();
+        let n = self.inertia.momenta.len();
         let inertia = self.holding(&[]);
         let (rows, direction) = self.directed(
             vec![sliding],
@@ -604,16 +595,16 @@ impl Mechanism<'_> {
         let first = rows.len();
         let written_out = || {
             let weight = |&i: &usize| Implicit::multiplier(first + i);
-            let weights: Vec<Sym> = self.coordinates.iter().map(weight).collect();
+            let weights: Vec<Sym> = self.inertia.coordinates.iter().map(weight).collect();
             let direction = residual::derivatives(&system(), elimination, &weights, self.inputs);
             let rows = Explicit::new(rows.clone(), self.inputs).followed_by(direction);
-            rows.spread(first, self.all, self.coordinates)
+            rows.spread(first, self.all, self.inertia.coordinates)
         };
         let rows = match formula {
             Some(direction) => {
                 let mut values = rows.clone();
                 values.resize(first + self.all, Sym::ZERO);
-                for (&i, component) in self.coordinates.iter().zip(direction) {
+                for (&i, component) in self.inertia.coordinates.iter().zip(direction) {
                     values[first + i] = component;
                 }
                 Explicit::cheapest(values, written_out, self.inputs)

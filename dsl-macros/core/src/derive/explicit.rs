@@ -47,6 +47,13 @@ impl Sparse {
         }
     }
 
+    /// These in their cheapest common form.
+    fn simplified(self) -> Self {
+        let values = simplify_all(&self.values);
+        let entries = self.entries.into_iter().zip(values);
+        Self::nonzeros(self.rows, self.columns, entries)
+    }
+
     /// Of two forms of the same matrix the cheaper one, at the positions that are nonzero in both.
     pub(super) fn cheaper(self, other: Self) -> Self {
         let common = |one: Self, other: &Self| {
@@ -139,11 +146,23 @@ impl Explicit {
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.
 pub(crate) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
-    let columns = columns(&Sweeps::over(outputs), outputs, inputs);
-    let entries = (0..outputs.len())
-        .flat_map(|i| (0..inputs.len()).map(move |j| (i, j)))
-        .map(|(i, j)| ((i, j), columns[j][i]));
-    sparse(outputs.len(), inputs.len(), entries)
+    by_rows(&Sweeps::over(outputs), outputs, inputs).simplified()
+}
+
+/// The same from the `sweeps` of the outputs, as they come.
+pub(super) fn by_rows(sweeps: &Sweeps, outputs: &[Sym], inputs: &[Variable]) -> Sparse {
+    let columns = columns(sweeps, outputs, inputs);
+    let entries = (0..outputs.len()).flat_map(|i| (0..inputs.len()).map(move |j| (i, j)));
+    let entries = entries.map(|(i, j)| ((i, j), columns[j][i]));
+    Sparse::nonzeros(outputs.len(), inputs.len(), entries)
+}
+
+/// The lower triangle of the derivatives of a gradient, from its `sweeps`.
+pub(super) fn lower_triangle(sweeps: &Sweeps, gradient: &[Sym], inputs: &[Variable]) -> Sparse {
+    let (columns, n) = (columns(sweeps, gradient, inputs), inputs.len());
+    let entries = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)));
+    let entries = entries.map(|(i, j)| ((i, j), columns[j][i]));
+    Sparse::nonzeros(n, n, entries)
 }
 
 /// Derivatives of `outputs` by each input, from their `sweeps`; of most inputs of a contact nothing depends.
@@ -156,6 +175,13 @@ pub(super) fn columns(sweeps: &Sweeps, outputs: &[Sym], inputs: &[Variable]) -> 
     inputs.iter().map(column).collect()
 }
 
+/// The sum of outputs weighted by multipliers.
+pub(super) fn weighted(outputs: impl Iterator<Item = Sym>) -> Sym {
+    let multiplier = |i: usize| Sym::variable(Variable::Multiplier(i as u16));
+    let terms = outputs.enumerate();
+    terms.map(|(i, output)| multiplier(i) * output).sum()
+}
+
 /// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers, by two ways of which
 /// now one and now the other takes fewer operations: adjoints, then a sweep of dual numbers for
 /// each input; or one sweep that carries second derivatives, over the shortest evaluation.
@@ -165,17 +191,9 @@ pub(super) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     if by_parameters(inputs) {
         return Sparse::nonzeros(inputs.len(), inputs.len(), std::iter::empty());
     }
-    let weighted: Sym = outputs
-        .iter()
-        .enumerate()
-        .map(|(i, &output)| Sym::variable(Variable::Multiplier(i as u16)) * output)
-        .sum();
+    let weighted = weighted(outputs.iter().copied());
     let gradient = simplify_all(&graph::gradient(weighted, inputs));
-    let columns = columns(&Sweeps::over(&gradient), &gradient, inputs);
-    let entries = (0..inputs.len())
-        .flat_map(|i| (0..=i).map(move |j| (i, j)))
-        .map(|(i, j)| ((i, j), columns[j][i]));
-    let by_columns = sparse(inputs.len(), inputs.len(), entries);
+    let by_columns = lower_triangle(&Sweeps::over(&gradient), &gradient, inputs).simplified();
     if tape::operations(&by_columns.values) < SHORT {
         return by_columns;
     }
@@ -189,26 +207,4 @@ pub(super) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
 pub(super) fn by_parameters(inputs: &[Variable]) -> bool {
     let mut inputs = inputs.iter();
     inputs.any(|input| matches!(input, Variable::Parameter(_)))
-}
-
-/// The nonzeros of a matrix, in their cheapest common form.
-fn sparse(
-    rows: usize,
-    columns: usize,
-    entries: impl Iterator<Item = ((usize, usize), Sym)>,
-) -> Sparse {
-    let (positions, values): (Vec<_>, Vec<_>) = entries
-        .filter(|(_, value)| !value.is_structural_zero())
-        .unzip();
-    let (entries, values) = positions
-        .into_iter()
-        .zip(simplify_all(&values))
-        .filter(|(_, value)| !value.is_structural_zero())
-        .unzip();
-    Sparse {
-        rows,
-        columns,
-        entries,
-        values,
-    }
 }

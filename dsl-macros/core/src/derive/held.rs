@@ -218,23 +218,11 @@ fn add_coordinates(scene: &mut CheckedScene, chosen: &[u16]) {
 
 /// Replaces the functions of a contact, which acts on none of the coordinates behind those that it knew.
 fn replace_in(contact: &mut Contact, coordinates: usize, one: &impl Fn(Sym) -> Sym) {
-    contact.gap = one(contact.gap);
-    contact.bound = contact.bound.map(one);
+    contact.functions_mut().for_each(|own| *own = one(*own));
     let action = contact.switch.iter_mut();
     let lists = action.flat_map(|action| [&mut action.force, &mut action.usual]);
     for components in lists.chain(&mut contact.along) {
-        let all = components.iter_mut();
-        all.for_each(|component| *component = one(*component));
         components.resize(coordinates, Sym::ZERO);
-    }
-    let resets = contact.reset.iter_mut();
-    resets.for_each(|(_, value)| *value = one(*value));
-    let loads = contact.loads.iter_mut().chain(&mut contact.joint_loads);
-    loads.for_each(|(_, factor)| *factor = one(*factor));
-    if let Some(friction) = &mut contact.friction {
-        friction.sliding = one(friction.sliding);
-        friction.share = friction.share.map(one);
-        friction.across = friction.across.map(one);
     }
 }
 

@@ -219,6 +219,7 @@ fn shorter(one: Vec<Sym>, other: Vec<Sym>) -> Vec<Sym> {
 
 /// The mass matrix with the rows and columns of held coordinates replaced by those of the identity, bordered by the
 /// equations of joints.
+#[derive(Clone, Copy)]
 pub(super) struct Locked<'a> {
     /// Mass matrix, row-major.
     pub(super) mass: &'a [Sym],
@@ -348,25 +349,10 @@ impl Locked<'_> {
 
     /// Most coordinates that inertia couples to each other, as those of one body of many.
     fn largest_block(&self) -> usize {
-        let n = self.mass.len().isqrt();
-        let mut seen = vec![false; n];
-        let mut largest = 0;
-        for first in 0..n {
-            let mut block = if seen[first] { vec![] } else { vec![first] };
-            seen[first] = true;
-            let mut next = 0;
-            while let Some(&i) = block.get(next) {
-                next += 1;
-                for (j, mass) in self.mass[i * n..(i + 1) * n].iter().enumerate() {
-                    if !seen[j] && !mass.is_structural_zero() {
-                        seen[j] = true;
-                        block.push(j);
-                    }
-                }
-            }
-            largest = largest.max(block.len());
-        }
-        largest
+        let n = self.coordinates();
+        let blocks = blocks(self.mass, n);
+        let size = |block| blocks.iter().filter(|own| **own == block).count();
+        (0..n).map(size).max().unwrap_or(0)
     }
 
     /// Row-major.

@@ -129,13 +129,8 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let forces = joint::equations(scene, &inertia, (stepwise.as_ref(), &right), &inputs);
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
     let mechanism = contact::Mechanism {
-        mass: &mass,
-        momenta: &momenta,
-        by_entries,
-        in_steps,
-        coordinates: &all,
+        inertia,
         all: n,
-        joints: &joints,
         formulas: formulas.as_ref(),
         written_out,
         moving,

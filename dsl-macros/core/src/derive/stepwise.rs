@@ -6,7 +6,7 @@
 //! sum one quantity: `n` operations for the momenta, `n^2` for what has `n^2` entries.
 
 use super::Sparse;
-use super::explicit::{by_parameters, columns};
+use super::explicit::{by_parameters, by_rows, lower_triangle, weighted};
 use crate::graph::stepwise::{gradient, kept_sum, sweeps};
 use crate::graph::{Sym, Variable};
 use crate::tape;
@@ -77,10 +77,7 @@ pub(super) fn along_unknowns(size: usize, moving: usize) -> impl Fn(Variable) ->
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.
 pub(super) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
-    let columns = columns(&sweeps(outputs), outputs, inputs);
-    let entries = (0..outputs.len()).flat_map(|i| (0..inputs.len()).map(move |j| (i, j)));
-    let entries = entries.map(|(i, j)| ((i, j), columns[j][i]));
-    Sparse::nonzeros(outputs.len(), inputs.len(), entries)
+    by_rows(&sweeps(outputs), outputs, inputs)
 }
 
 /// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers; none with respect to parameters.
@@ -89,13 +86,7 @@ pub(super) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     if by_parameters(inputs) {
         return Sparse::nonzeros(n, n, std::iter::empty());
     }
-    let terms = outputs.iter().enumerate();
-    let weighted: Sym = terms
-        .map(|(i, &output)| Sym::variable(Variable::Multiplier(i as u16)) * kept_sum(output))
-        .sum();
+    let weighted = weighted(outputs.iter().map(|&output| kept_sum(output)));
     let gradient = gradient(weighted, inputs);
-    let columns = columns(&sweeps(&gradient), &gradient, inputs);
-    let entries = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)));
-    let entries = entries.map(|(i, j)| ((i, j), columns[j][i]));
-    Sparse::nonzeros(n, n, entries)
+    lower_triangle(&sweeps(&gradient), &gradient, inputs)
 }

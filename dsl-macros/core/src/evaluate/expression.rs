@@ -2,7 +2,7 @@
 
 use super::algebra::{cross_product, inner_product, not_a_vector, of_numbers, power, step};
 use super::edges;
-use super::functions::{elementary, fades, is_derivative, velocity_direction};
+use super::functions::{elementary, fades, is_derivative, takes, velocity_direction};
 use super::matrix;
 use super::named;
 use super::number::{number, unrepresentable};
@@ -432,12 +432,8 @@ fn by_arity(
     if !known {
         return Err(eval.scope.undeclared_function(function, eval.diagnostics));
     }
-    if arguments.len() != wanted {
-        let plural = if wanted == 1 { "" } else { "s" };
-        let found = arguments.len();
-        let message = format!("`{text}` takes {wanted} argument{plural}, found {found}");
-        return Err(eval.diagnostics.report("E02", whole.place, message));
-    }
+    let found = arguments.len();
+    takes((text, wanted), found, whole.place, eval.diagnostics)?;
     match (text, arguments) {
         ("dot", [argument]) => time_derivative(eval, argument),
         ("dot" | "cross", [left, right]) => {
@@ -553,23 +549,8 @@ fn apply(
             ),
         ));
     }
-    if declared.arguments.len() != values.len() {
-        return Err(eval.diagnostics.report(
-            "E02",
-            place,
-            format!(
-                "`{}` takes {} argument{}, found {}",
-                function.text,
-                declared.arguments.len(),
-                if declared.arguments.len() == 1 {
-                    ""
-                } else {
-                    "s"
-                },
-                values.len()
-            ),
-        ));
-    }
+    let wanted = (&*function.text, declared.arguments.len());
+    takes(wanted, values.len(), place, eval.diagnostics)?;
     let frame = declared
         .arguments
         .iter()

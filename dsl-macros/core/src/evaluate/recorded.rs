@@ -1,5 +1,6 @@
 //! Forces and impulses of contacts, in what is recorded and in optimal control.
 
+use super::functions::one;
 use super::scope::{Evaluation, Role};
 use super::value::{Number, Value};
 use crate::ast::{Expr, Kind};
@@ -63,13 +64,7 @@ pub(super) fn summand<'e>(
                        `finally` only, and not within `integral` or another `sum`";
         return Err(eval.diagnostics.report("E24", whole.place, message));
     }
-    match arguments {
-        [argument] => Ok(argument),
-        _ => {
-            let message = format!("`sum` takes 1 argument, found {}", arguments.len());
-            Err(eval.diagnostics.report("E02", whole.place, message))
-        }
-    }
+    one("sum", whole, arguments, eval.diagnostics)
 }
 
 /// The sum of a value over all impacts.

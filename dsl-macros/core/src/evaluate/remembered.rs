@@ -1,5 +1,6 @@
 //! `start(...)` and `peak(...)`: what a quantity is at the start of the motion, and at most over all of it, in what is judged of it.
 
+use super::functions::one;
 use super::kink::Peak;
 use super::scope::{Evaluation, Role, Scope};
 use super::value::{Number, Value};
@@ -23,11 +24,7 @@ pub(super) fn argument<'e>(
         );
         return Err(eval.diagnostics.report("E15", whole.place, message));
     }
-    let [argument] = arguments else {
-        let message = format!("`start` takes 1 argument, found {}", arguments.len());
-        return Err(eval.diagnostics.report("E02", whole.place, message));
-    };
-    Ok(argument)
+    one("start", whole, arguments, eval.diagnostics)
 }
 
 /// The value of the argument with the start of the motion in the place of its coordinates and velocities.
@@ -71,10 +68,7 @@ pub(super) fn over_the_motion<'e>(
     whole: &Expr,
     arguments: &'e [Expr],
 ) -> Checked<&'e Expr> {
-    let [argument] = arguments else {
-        let message = format!("`peak` takes 1 argument, found {}", arguments.len());
-        return Err(eval.diagnostics.report("E02", whole.place, message));
-    };
+    let argument = one("peak", whole, arguments, eval.diagnostics)?;
     let why = match eval.scope.role {
         Role::End => return Ok(argument),
         Role::Constraint => {

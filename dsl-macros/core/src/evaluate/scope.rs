@@ -273,7 +273,7 @@ impl Scope {
         );
         let message = if self.later.contains(text) {
             format!("`{text}` is declared further down; move its declaration up")
-        } else if let Some((_, remedy)) = words::FOREIGN.iter().find(|(word, _)| *word == text) {
+        } else if let Some(remedy) = words::foreign(text) {
             format!("function `{text}` is not declared; {remedy}")
         } else {
             match closest(text, functions.iter().copied()) {

@@ -1,6 +1,7 @@
 //! `sign`, `step`, `if`, `max`, `min`, `clamp` and `|x|` in what acts: switches, which a variable stands for until it is known what they
 //! act on.
 
+use super::functions::takes;
 use super::kink::Switch;
 use super::scope::{Evaluation, Role, Scope};
 use crate::ast::Expr;
@@ -32,22 +33,15 @@ pub(super) fn call(
         words::IF => 4,
         _ => 1,
     };
-    if parts.len() != wanted {
-        let message = if wanted == 2 && parts.len() > 2 {
-            format!(
-                "`{text}` of {} in what acts would switch where other switches do; write it of two smooth functions, and \
-                 `if c {{ a }} else {{ b }}` for more cases",
-                parts.len()
-            )
-        } else {
-            let plural = if wanted == 1 { "" } else { "s" };
-            format!(
-                "`{text}` takes {wanted} argument{plural}, found {}",
-                parts.len()
-            )
-        };
+    if wanted == 2 && parts.len() > 2 {
+        let message = format!(
+            "`{text}` of {} in what acts would switch where other switches do; write it of two smooth functions, and \
+             `if c {{ a }} else {{ b }}` for more cases",
+            parts.len()
+        );
         return Err(eval.diagnostics.report("E02", whole.place, message));
     }
+    takes((text, wanted), parts.len(), whole.place, eval.diagnostics)?;
     let half = |value: Sym| value.scaled(0.5);
     Ok(match (text, parts) {
         ("abs", &[part]) => switch(eval, shown(whole), (part, true))?,

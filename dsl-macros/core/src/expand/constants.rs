@@ -2,13 +2,10 @@
 
 use super::names::Scope;
 use super::part::Placed;
-use super::tokens::{
-    ended, group_in, inside, is_punct, items, keyword, opened, place_of, undocumented,
-};
-use crate::diagnostics::{Checked, Diagnostics, Place};
+use super::tokens::{ended, group_in, inside, is_punct, items, keyword, opened, undocumented};
 use crate::words;
 use hangtime_units::Unit;
-use proc_macro2::{Delimiter, Span, TokenTree};
+use proc_macro2::{Delimiter, TokenTree};
 use std::collections::HashMap;
 
 /// Names of numbers that do not move, and what they are without being set otherwise, in SI units, as far as that is computed here.
@@ -136,22 +133,6 @@ impl Constants {
             left = apply(left, self.climb(rest, own + 1, scope)?);
         }
         Some(left)
-    }
-
-    /// E10: a length that is a number is positive.
-    pub(super) fn is_length(
-        &self,
-        value: &[TokenTree],
-        scope: &Scope,
-        diagnostics: &mut Diagnostics,
-    ) -> Checked<()> {
-        let number = self.value(value, scope);
-        if number.map_or(!is_punct(value.first(), '-'), |number| number > 0.0) {
-            return Ok(());
-        }
-        let message = "the size of a shape is positive";
-        let place = place_of(value, Place::at(Span::call_site()));
-        Err(diagnostics.report("E10", place, message))
     }
 }
 

@@ -12,25 +12,21 @@ mod names;
 mod part;
 mod repeat;
 mod shape;
-mod solid;
 mod space;
 mod tokens;
+mod written;
 
 pub(crate) use names::decoded;
-pub(crate) use part::{counts, files, is_declaration};
+pub(crate) use part::{begins, counts, files, is_declaration};
 pub(crate) use tokens::is_product;
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
-use body::Bodies;
-use contact::Contacts;
-use hinge::Hinges;
 use names::{Names, Scope};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use repeat::{DEEPEST, Repeat};
-use shape::Shapes;
-use solid::Solids;
 use std::rc::Rc;
 use tokens::{group_in, grouped, inside, is_punct, joined, keyword, place_of, undocumented, word};
+use written::Written;
 
 /// Statements of a scene without repetition and parts.
 ///
@@ -78,23 +74,22 @@ fn written_out(
     names: &mut Names,
     diagnostics: &mut Diagnostics,
 ) -> Vec<part::Placed> {
-    let mut shapes = Shapes::new(Bodies::new(names, diagnostics));
-    shapes.bodies.in_space = space::is_there(&statements);
+    let in_space = space::is_there(&statements);
+    let mut written = Written::new(names, diagnostics, in_space);
     for (statement, scope) in statements {
+        written.scope = scope;
         let _: Checked<()> = match keyword(&statement).as_str() {
-            "gravity" => shapes.bodies.gravity(&statement, &scope),
-            "body" => shapes.bodies.body(&statement, &scope),
-            "shape" => Solids(&mut shapes).shape(&statement, &scope),
-            "contact" => Contacts(&mut shapes).contact(&statement, &scope),
-            "hinge" => Hinges(&mut shapes).hinge(&statement, &scope),
-            "ball" => Hinges(&mut shapes).ball(&statement, &scope),
-            "weld" => Hinges(&mut shapes).weld(&statement, &scope),
-            "slider" => Hinges(&mut shapes).slider(&statement, &scope),
-            "rolling" => Hinges(&mut shapes).rolling(&statement, &scope),
-            _ => shapes.bodies.other((statement, scope)),
+            "gravity" => body::gravity(&mut written, &statement),
+            "body" => body::body(&mut written, &statement),
+            "shape" => shape::shape(&mut written, &statement),
+            "contact" => contact::contact(&mut written, &statement),
+            "hinge" | "ball" | "weld" | "slider" | "rolling" => {
+                hinge::joint(&mut written, &statement)
+            }
+            _ => written.other(statement),
         };
     }
-    shapes.bodies.finished()
+    body::finished(written)
 }
 
 /// Whether tokens hold anything of what is written out.
@@ -104,7 +99,7 @@ fn is_used(tokens: &[TokenTree], depth: usize) -> bool {
         let before = at.checked_sub(1).and_then(|before| tokens.get(before));
         let named = matches!(rest[0], TokenTree::Ident(_));
         let here = match &rest[0] {
-            TokenTree::Ident(_) if depth == 0 && part::begins(rest, before) => true,
+            TokenTree::Ident(_) if depth == 0 && part::begins_written_out(rest, before) => true,
             TokenTree::Punct(_) if is_punct(rest.first(), '+') => is_punct(rest.get(1), '='),
             TokenTree::Group(group) if depth < DEEPEST => {
                 let inner = inside(group);

@@ -5,7 +5,7 @@ use super::repeat::{DECLARING, DEEPEST, unit_end};
 use super::tokens::{around, group_in, inside, is_product, is_punct, items, keyword, undocumented};
 use crate::diagnostics::{Diagnostics, Place, closest};
 use crate::words;
-use proc_macro2::{Delimiter, Group, Ident, TokenTree};
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenTree};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 
@@ -19,6 +19,11 @@ pub(super) fn encoded(name: &str) -> String {
     signs.fold(name.replace(']', ""), |text, (sign, dots)| {
         text.replace(sign, dots)
     })
+}
+
+/// A whole name as the identifier that stands for it.
+pub(super) fn ident(whole: &str, span: Span) -> Ident {
+    Ident::new(&encoded(whole), span)
 }
 
 /// The name that an identifier stands for.
@@ -267,7 +272,7 @@ impl Resolver<'_> {
     /// The whole of a name that begins here, and how many tokens more it takes.
     fn name(&mut self, first: &Ident, rest: &[TokenTree]) -> (Ident, usize) {
         let text = decoded(first.to_string());
-        if self.pictured && words::PICTURE.contains(&text.as_str()) {
+        if self.pictured && words::is_of_picture(&text) {
             return (first.clone(), 0);
         }
         let names = self.names;

@@ -9,7 +9,7 @@ use super::tokens::{
 use crate::diagnostics::{Diagnostics, Place, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Group, Ident, TokenStream, TokenTree};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -34,7 +34,7 @@ pub(crate) fn is_declaration(tokens: &[TokenTree]) -> bool {
 }
 
 /// Whether a statement begins here that is written out: a declaration, or `left: leg(..)`, behind that token.
-pub(super) fn begins(tokens: &[TokenTree], before: Option<&TokenTree>) -> bool {
+pub(super) fn begins_written_out(tokens: &[TokenTree], before: Option<&TokenTree>) -> bool {
     let named = match before {
         Some(TokenTree::Ident(word)) => words::takes_next(&word.to_string()),
         Some(TokenTree::Punct(mark)) => mark.as_char() != ';',
@@ -84,9 +84,13 @@ fn begins_any(tokens: &[TokenTree], before: Option<&TokenTree>) -> bool {
     };
     let word = word.to_string();
     let called = group_in(tokens.get(1), Delimiter::Parenthesis).is_some();
-    let is_value = called && (word == words::START || word == words::AT);
+    // A time in parentheses has braces or a range behind it.
+    let is_time = matches!(tokens.get(2), Some(TokenTree::Ident(word)) if word == "in")
+        || group_in(tokens.get(2), Delimiter::Brace).is_some();
+    let is_value = called && (word == words::START || word == words::AT && !is_time);
     !is_punct(before, '.')
-        && (words::STATEMENTS.contains(&word.as_str()) && !is_value || begins(tokens, before))
+        && (words::STATEMENTS.contains(&word.as_str()) && !is_value
+            || begins_written_out(tokens, before))
 }
 
 /// The statements that tokens hold, each with its documentation.
@@ -462,6 +466,25 @@ pub(crate) fn files(tokens: TokenStream) -> Vec<String> {
     named
         .map(|name| name.trim_matches('"').to_owned())
         .collect()
+}
+
+/// Where the statements of a text and of its parts begin, in bytes.
+pub(crate) fn begins(tokens: TokenStream) -> HashSet<usize> {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let mut found = HashSet::new();
+    for statement in statements(&tokens).into_iter().map(undocumented) {
+        found.extend(
+            statement
+                .first()
+                .map(|first| first.span().byte_range().start),
+        );
+        if let [_, _, _, TokenTree::Group(body), ..] = statement
+            && keyword(statement) == "part"
+        {
+            found.extend(begins(body.stream()));
+        }
+    }
+    found
 }
 
 /// The counts of a text, each with the bytes where its number stands.

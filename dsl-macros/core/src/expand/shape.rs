@@ -1,15 +1,14 @@
 //! Shapes of bodies: `shape crate: rectangle (w, h)`. Each is all that lies within a radius of a convex core, which has corners,
 //! strips along its sides, and the half planes in all of which it lies.
 
-use super::body::Bodies;
 use super::clause::{Clause, clauses, shown, sorted};
-use super::names::{Scope, encoded, member};
-use super::tokens::{components, ended, grouped, is_punct, place_of, punct, undocumented};
+use super::names::{ident, member};
+use super::tokens::{components, ended, grouped, halves, is_punct, place_of, punct, undocumented};
+use super::written::{Shape, Side, Written};
 use crate::diagnostics::{Checked, Place, Reported, list};
 use crate::words;
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
 use quote::quote_spanned;
-use std::rc::Rc;
 
 /// How each kind of shape is written in the plane.
 const KINDS: [&str; 8] = [
@@ -32,582 +31,620 @@ const IN_SPACE: [&str; 5] = [
     "point",
 ];
 
-/// All points with `normal . (p - middle) <= half`, or within a radius of a line along `normal`.
-#[derive(Clone)]
-pub(super) struct Side {
-    pub(super) normal: TokenStream,
-    pub(super) half: TokenStream,
-    /// Whether a round shape is a radius farther away.
-    pub(super) is_moved: bool,
-    /// A point of the line.
-    pub(super) line: Option<Ident>,
-    /// Directions along it, where they are the same everywhere.
-    pub(super) tangents: Option<[Ident; 2]>,
+/// What a shape is made with.
+struct Frame<'t> {
+    shape: Shape,
+    span: Span,
+    kind: Clause<'t>,
+    /// By which angle it is turned in the plane.
+    turn: TokenStream,
+    /// Whether it can be drawn: its size does not move.
+    is_drawn: bool,
 }
 
-impl Side {
-    pub(super) fn new(normal: TokenStream, half: TokenStream) -> Self {
-        Self {
-            normal,
-            half,
-            is_moved: false,
-            line: None,
-            tangents: None,
-        }
+/// `shape crate: rectangle (w, h) at (a, b) angle c`, also under a name of its own, `shape crate.lid: ..`, and `shape die: box (a, b, c)`
+/// in space.
+pub(super) fn shape(written: &mut Written<'_>, statement: &[TokenTree]) -> Checked<()> {
+    let mut frame = frame(written, statement)?;
+    match frame.kind.word().as_str() {
+        "circle" | "sphere" => round(written, &mut frame)?,
+        "capsule" | "segment" => capsule(written, &mut frame)?,
+        "rectangle" | "box" => cuboid(written, &mut frame)?,
+        "polygon" => polygon(written, &mut frame)?,
+        "point" => point_alone(written, &mut frame),
+        "below" => below(written, &mut frame),
+        _ => half(written, &mut frame)?,
     }
-
-    pub(super) fn moved(self, is_moved: bool) -> Self {
-        Self { is_moved, ..self }
-    }
-}
-
-/// A shape, with names in the place of its parts.
-pub(super) struct Shape {
-    /// Its own whole name, and that of its body.
-    pub(super) name: String,
-    pub(super) body: String,
-    /// Its kind as it is written.
-    pub(super) kind: &'static str,
-    pub(super) middle: Ident,
-    /// None of a half plane.
-    pub(super) corners: Vec<Ident>,
-    pub(super) radius: Option<Ident>,
-    /// In all of them the core lies.
-    pub(super) sides: Vec<Side>,
-    /// Whether a corner that is inside of all sides is inside of the core, which has a width.
-    pub(super) is_solid: bool,
-    /// What lies within a radius of the core beside its corners: all points that are within all sides of one of these.
-    pub(super) strips: Vec<Vec<Side>>,
-    /// Of what lies below a curve, its function and the directions along and across its argument.
-    pub(super) curve: Option<(TokenStream, [Ident; 2])>,
+    written.shapes.push(frame.shape);
+    Ok(())
 }
 
 /// What a shape is made with.
-pub(super) struct Frame<'t> {
-    pub(super) shape: Shape,
-    pub(super) span: Span,
-    pub(super) scope: &'t Rc<Scope>,
-    pub(super) kind: Clause<'t>,
-    /// How it is turned.
-    turn: TokenStream,
-    /// Whether it can be drawn: its size does not move.
-    pub(super) is_drawn: bool,
-}
-
-/// All shapes of a scene.
-pub(super) struct Shapes<'a> {
-    pub(super) bodies: Bodies<'a>,
-    pub(super) list: Vec<Shape>,
-}
-
-impl<'a> Shapes<'a> {
-    pub(super) fn new(bodies: Bodies<'a>) -> Self {
-        let list = Vec::new();
-        Self { bodies, list }
+fn frame<'t>(written: &mut Written<'_>, statement: &'t [TokenTree]) -> Checked<Frame<'t>> {
+    let statement = ended(undocumented(statement));
+    let begin = Place::at(statement[0].span());
+    let [head, said] = halves(statement, ':');
+    if said.is_empty() {
+        let message =
+            "a shape is written as in `shape block: rectangle (w, h)`, behind the name of its body";
+        return Err(written.diagnostics.syntax(begin, message));
     }
+    let (body, name, span) = owner(written, &head[1..])?;
+    // Where this comes to nothing, a contact of the body without a shape is no second mistake.
+    written.diagnostics.poison(&format!("shape {body}"));
+    let clauses = clauses(said, &words::SHAPE);
+    let what = format!("the shape of `{}`", shown(&name));
+    let [kinds @ .., at, angle] = sorted(
+        clauses.into_iter(),
+        &words::SHAPE,
+        &what,
+        written.diagnostics,
+    )?;
+    let known: &[&str] = match written.in_space {
+        true => &IN_SPACE,
+        false => &KINDS,
+    };
+    let mut kinds = kinds.into_iter().flatten();
+    let (Some(kind), None) = (kinds.next(), kinds.next()) else {
+        return Err(no_kind(written, &what, known, begin));
+    };
+    let word = kind.word();
+    let Some(example) = known
+        .iter()
+        .find(|kind| kind.split(' ').next() == Some(&word))
+    else {
+        return Err(no_kind(written, &what, known, kind.place()));
+    };
+    if !["circle", "sphere", "point"].contains(&word.as_str()) {
+        written.needs_angle(&body, kind.place(), &format!("a shape `{word}`"))?;
+    }
+    let middle = match at {
+        None => written.body_place(&body),
+        Some(at) => {
+            let place = written.offset(&body, at.place(), &at.value())?;
+            written.define((&name, "middle", span), quote_spanned!(span=> : m = #place))
+        }
+    };
+    let own = written.named(&body, "angle");
+    let turn = match angle.map(|angle| angle.value()) {
+        None => quote_spanned!(span=> #own),
+        Some(angle) => quote_spanned!(span=> #own + #angle),
+    };
+    let is_drawn = match word.as_str() {
+        "half" | "below" => written.is_still(&body) && written.are_still([at, angle]),
+        _ => written.is_constant(kind.tokens()),
+    };
+    let shape = Shape {
+        name,
+        body,
+        kind: match word.as_str() {
+            "half" => (*example).to_owned(),
+            "below" => "curve".to_owned(),
+            _ => word,
+        },
+        middle,
+        corners: Vec::new(),
+        radius: None,
+        sides: Vec::new(),
+        is_solid: false,
+        strips: Vec::new(),
+        curve: None,
+    };
+    Ok(Frame {
+        shape,
+        span,
+        kind,
+        turn,
+        is_drawn,
+    })
+}
 
-    /// What a shape is made with, `shape crate: rectangle (w, h) at (a, b) angle c`, also under a name of its own, `shape crate.lid: ..`.
-    pub(super) fn frame<'t>(
-        &mut self,
-        statement: &'t [TokenTree],
-        scope: &'t Rc<Scope>,
-    ) -> Checked<Frame<'t>> {
-        let statement = ended(undocumented(statement));
-        let begin = Place::at(statement[0].span());
-        let colon = statement
-            .iter()
-            .position(|token| is_punct(Some(token), ':'));
-        let Some(colon) = colon.filter(|&colon| colon + 1 < statement.len()) else {
-            let message = "a shape is written as in `shape block: rectangle (w, h)`, behind the name of its body";
-            return Err(self.bodies.diagnostics.syntax(begin, message));
-        };
-        let (body, whole, span) = self.owner(&statement[1..colon], scope)?;
-        // Where this comes to nothing, a contact of the body without a shape is no second mistake.
-        self.bodies.diagnostics.poison(&format!("shape {body}"));
-        let clauses = clauses(&statement[colon + 1..], &words::SHAPE);
-        let what = format!("the shape of `{}`", shown(&whole));
-        let [kinds @ .., at, angle] = sorted(
-            clauses.into_iter(),
-            &words::SHAPE,
-            &what,
-            self.bodies.diagnostics,
-        )?;
-        let mut kinds = kinds.into_iter().flatten();
-        let (Some(kind), None) = (kinds.next(), kinds.next()) else {
-            return Err(self.no_kind(&what, begin));
-        };
-        let word = kind.word();
-        let known: &[&str] = match self.bodies.in_space {
-            true => &IN_SPACE,
-            false => &KINDS,
-        };
-        if !known
-            .iter()
-            .any(|kind| kind.split(' ').next() == Some(&word))
-        {
-            return Err(self.no_kind(&what, kind.place()));
+/// E27: no shape of a scene in the plane or in space.
+fn no_kind(written: &mut Written<'_>, what: &str, known: &[&str], place: Place) -> Reported {
+    let is = if written.in_space {
+        "is in space"
+    } else {
+        "is"
+    };
+    let known = list(known.iter().copied());
+    written.told(place, format!("{what} {is} one of {known}"))
+}
+
+/// The body of a shape, the whole name of the shape, and where that stands.
+fn owner(written: &mut Written<'_>, tokens: &[TokenTree]) -> Checked<(String, String, Span)> {
+    let place = place_of(tokens, Place::at(Span::call_site()));
+    let (names, own) = match tokens {
+        [names @ .., point, TokenTree::Ident(own)] if is_punct(Some(point), '.') => {
+            (names, Some(own))
         }
-        if !["circle", "sphere", "point"].contains(&word.as_str()) {
-            self.bodies
-                .needs_angle(&body, kind.place(), &format!("a shape `{word}`"))?;
+        names => (names, None),
+    };
+    let outer = written.whole(if own.is_some() { names } else { tokens })?;
+    let (body, whole) = match own {
+        Some(own) if written.known.contains_key(&outer) => {
+            let whole = format!("{outer}.{own}");
+            (outer, whole)
         }
-        let middle = self.middle((&body, &whole, span), at, scope)?;
-        let own = self.bodies.named(&body, "angle");
-        let turn = match angle.map(|angle| angle.value()) {
-            None => quote_spanned!(span=> #own),
-            Some(angle) => quote_spanned!(span=> #own + #angle),
-        };
-        let is_still = self.bodies.is_still(&body) && self.bodies.are_still([at, angle], scope);
-        let shape = Shape {
-            name: whole,
-            body,
-            kind: "half plane",
-            middle,
-            corners: Vec::new(),
-            radius: None,
-            sides: Vec::new(),
-            is_solid: false,
-            strips: Vec::new(),
-            curve: None,
-        };
-        let is_drawn = match word.as_str() {
-            "half" | "below" => is_still,
-            _ => self.bodies.constants.all(kind.tokens(), scope),
-        };
-        Ok(Frame {
-            shape,
-            span,
-            scope,
-            kind,
-            turn,
-            is_drawn,
+        Some(_) => {
+            let whole = written.whole(tokens)?;
+            (whole.clone(), whole)
+        }
+        None => (outer.clone(), outer),
+    };
+    let Some(known) = written.known.get(&body) else {
+        return Err(written.no_body(&body, place));
+    };
+    let span = match own {
+        Some(own) => own.span(),
+        None => known.span,
+    };
+    if written.shapes.iter().any(|shape| shape.name == whole)
+        || body != whole && written.names.has(&whole)
+    {
+        let message = format!(
+            "`{}` is declared twice; give this shape a name of its own, as in `shape {}.lid: ..`",
+            shown(&whole),
+            shown(&body)
+        );
+        return Err(written.diagnostics.report("E19", place, message));
+    }
+    if body != whole {
+        written.names.declare_body(&whole, &[]);
+    }
+    Ok((body, whole, span))
+}
+
+/// Directions of a shape: along and across it, and in space its third axis.
+fn axes(written: &mut Written<'_>, frame: &Frame<'_>) -> Vec<Ident> {
+    let (turn, span) = (&frame.turn, frame.span);
+    let matrix = match written.in_space {
+        true => written.turn(&frame.shape.body),
+        false => quote_spanned!(span=> rotation(#turn)),
+    };
+    let names = ["along", "across", "up"].into_iter();
+    let names = names.take(2 + usize::from(written.in_space)).enumerate();
+    names
+        .map(|(k, name)| {
+            let axis = written.axis(k, span);
+            let value = quote_spanned!(span=> = #matrix*#axis);
+            written.define((&frame.shape.name, name, span), value)
         })
-    }
+        .collect()
+}
 
-    /// The core of a shape in the plane, and what is drawn of it.
-    pub(super) fn in_plane(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
-        match frame.kind.word().as_str() {
-            "circle" => self.circle(frame)?,
-            "capsule" | "segment" => self.capsule(frame)?,
-            "rectangle" => self.rectangle(frame)?,
-            "polygon" => self.polygon(frame)?,
-            "point" => self.point(frame),
-            "below" => self.below(frame),
-            _ => self.half_plane(frame)?,
-        }
-        Ok(())
+/// A length of a shape, by name.
+fn size(
+    written: &mut Written<'_>,
+    frame: &Frame<'_>,
+    name: &str,
+    value: &[TokenTree],
+) -> Checked<Ident> {
+    let number = written.number(value);
+    if !number.map_or(!is_punct(value.first(), '-'), |number| number > 0.0) {
+        let place = place_of(value, Place::at(Span::call_site()));
+        let message = "the size of a shape is positive";
+        return Err(written.diagnostics.report("E10", place, message));
     }
+    let span = value.first().map_or(frame.span, TokenTree::span);
+    let value = grouped(Delimiter::None, value.to_vec(), span);
+    let value = quote_spanned!(span=> : m = #value);
+    Ok(written.define((&frame.shape.name, name, span), value))
+}
 
-    /// E27: no shape of a scene in the plane or in space.
-    fn no_kind(&mut self, what: &str, place: Place) -> Reported {
-        let message = match self.bodies.in_space {
-            true => format!("{what} is in space one of {}", list(IN_SPACE)),
-            false => format!("{what} is one of {}", list(KINDS)),
-        };
-        self.bodies.told(place, message)
+/// Lengths in parentheses.
+fn lengths(
+    written: &mut Written<'_>,
+    example: &str,
+    frame: &Frame<'_>,
+    names: &[&str],
+) -> Checked<Vec<Ident>> {
+    let parts = components(frame.kind.tokens());
+    if parts.len() != names.len() {
+        let many = if names.len() == 2 { "two" } else { "three" };
+        let word = frame.kind.word();
+        let message = format!("`{word}` has {many} lengths, as in `{example}`");
+        return Err(written.told(frame.kind.place(), message));
     }
+    let named = names.iter().zip(&parts);
+    named
+        .map(|(name, part)| size(written, frame, name, part))
+        .collect()
+}
 
-    /// Where the middle of a shape is.
-    fn middle(
-        &mut self,
-        (body, whole, span): (&str, &str, Span),
-        at: Option<Clause<'_>>,
-        scope: &Rc<Scope>,
-    ) -> Checked<Ident> {
-        let Some(at) = at else {
-            return Ok(self.bodies.body_place(body));
-        };
-        let place = self.bodies.offset(body, at.place(), &at.value())?;
-        let place = quote_spanned!(span=> : m = #place);
-        Ok(self.bodies.define((whole, "middle", span), place, scope))
+/// Declares the next corner of the core.
+fn corner(written: &mut Written<'_>, frame: &mut Frame<'_>, place: TokenStream) {
+    let k = 1 + frame.shape.corners.len();
+    let corner = listed(
+        written,
+        frame,
+        ("corner", k),
+        quote_spanned!(frame.span=> = #place),
+    );
+    frame.shape.corners.push(corner);
+}
+
+/// Declares one of several things of a shape.
+fn listed(
+    written: &mut Written<'_>,
+    frame: &Frame<'_>,
+    (name, k): (&str, usize),
+    value: TokenStream,
+) -> Ident {
+    let name = format!("{}.{name}", frame.shape.name);
+    written.names.declare(&name, &[k as i64]);
+    let own = ident(&member(&name, &[k as i64]), frame.span);
+    written.write(quote_spanned!(frame.span=> let #own #value));
+    own
+}
+
+/// A circle or a sphere.
+fn round(written: &mut Written<'_>, frame: &mut Frame<'_>) -> Checked<()> {
+    let radius = size(written, frame, "radius", frame.kind.tokens())?;
+    let size = quote_spanned!(frame.span=> radius #radius);
+    frame.shape.corners = vec![frame.shape.middle.clone()];
+    frame.shape.radius = Some(radius);
+    match written.in_space {
+        true => draw_round(written, frame),
+        false => draw_shape(written, frame, &size),
     }
+    Ok(())
+}
 
-    /// The body of a shape, the whole name of the shape, and where that stands.
-    fn owner(
-        &mut self,
-        tokens: &[TokenTree],
-        scope: &Rc<Scope>,
-    ) -> Checked<(String, String, Span)> {
-        let place = place_of(tokens, Place::at(Span::call_site()));
-        let (names, own) = match tokens {
-            [names @ .., point, TokenTree::Ident(own)] if is_punct(Some(point), '.') => {
-                (names, Some(own))
-            }
-            names => (names, None),
-        };
-        let outer = self
-            .bodies
-            .whole(if own.is_some() { names } else { tokens }, scope)?;
-        let (body, whole) = match own {
-            Some(own) if self.bodies.known.contains_key(&outer) => {
-                let whole = format!("{outer}.{own}");
-                (outer, whole)
-            }
-            Some(_) => {
-                let whole = self.bodies.whole(tokens, scope)?;
-                (whole.clone(), whole)
-            }
-            None => (outer.clone(), outer),
-        };
-        let Some(known) = self.bodies.known.get(&body) else {
-            return Err(self.bodies.no_body(&body, place));
-        };
-        let span = match own {
-            Some(own) => own.span(),
-            None => known.span,
-        };
-        if self.list.iter().any(|shape| shape.name == whole)
-            || body != whole && self.bodies.names.has(&whole)
-        {
-            let message = format!(
-                "`{}` is declared twice; give this shape a name of its own, as in `shape {}.lid: ..`",
-                shown(&whole),
-                shown(&body)
-            );
-            return Err(self.bodies.diagnostics.report("E19", place, message));
-        }
-        if body != whole {
-            self.bodies.names.declare_body(&whole, &[]);
-        }
-        Ok((body, whole, span))
-    }
-
-    /// Directions of a shape, `along` and `across` it.
-    fn directions(&mut self, frame: &Frame<'_>) -> [Ident; 2] {
-        let (turn, span, whole) = (&frame.turn, frame.span, &frame.shape.name);
-        let along = quote_spanned!(span=> = rotation(#turn)*(1, 0));
-        let across = quote_spanned!(span=> = rotation(#turn)*(0, 1));
-        [("along", along), ("across", across)]
-            .map(|(name, value)| self.bodies.define((whole, name, span), value, frame.scope))
-    }
-
-    /// A length of a shape, by name.
-    pub(super) fn size(
-        &mut self,
-        frame: &Frame<'_>,
-        name: &str,
-        value: &[TokenTree],
-    ) -> Checked<Ident> {
-        self.bodies
-            .constants
-            .is_length(value, frame.scope, self.bodies.diagnostics)?;
-        let span = value.first().map_or(frame.span, TokenTree::span);
-        let value = grouped(Delimiter::None, value.to_vec(), span);
-        let value = quote_spanned!(span=> : m = #value);
-        Ok(self
-            .bodies
-            .define((&frame.shape.name, name, span), value, frame.scope))
-    }
-
-    /// Lengths in parentheses.
-    pub(super) fn lengths<const N: usize>(
-        &mut self,
-        example: &str,
-        frame: &Frame<'_>,
-        names: [&str; N],
-    ) -> Checked<[Ident; N]> {
-        let parts = components(frame.kind.tokens());
-        if parts.len() != N {
-            let many = if N == 2 { "two" } else { "three" };
-            let message = format!(
-                "`{}` has {many} lengths, as in `{example}`",
-                frame.kind.word()
-            );
-            return Err(self.bodies.told(frame.kind.place(), message));
-        }
-        let mut found = Vec::new();
-        for (name, part) in names.into_iter().zip(&parts) {
-            found.push(self.size(frame, name, part)?);
-        }
-        found.try_into().map_err(|_| Reported)
-    }
-
-    /// Sides along and across a shape, which lies within these halves of them.
-    fn sides(&mut self, frame: &mut Frame<'_>, halves: [TokenStream; 2]) -> [Ident; 2] {
-        let [along, across] = self.directions(frame);
-        let span = frame.span;
-        let [length, width] = &halves;
-        frame.shape.sides = [
-            (quote_spanned!(span=> #along), length),
-            (quote_spanned!(span=> #across), width),
-            (quote_spanned!(span=> (-#along)), length),
-            (quote_spanned!(span=> (-#across)), width),
-        ]
-        .map(|(normal, half)| Side::new(normal, half.clone()))
-        .into();
-        [along, across]
-    }
-
-    /// Declares the next corner of the core.
-    pub(super) fn corner(&mut self, frame: &mut Frame<'_>, place: TokenStream) {
-        let k = 1 + frame.shape.corners.len();
-        let corner = self.listed(frame, ("corner", k), quote_spanned!(frame.span=> = #place));
-        frame.shape.corners.push(corner);
-    }
-
-    /// Declares one of several things of a shape.
-    pub(super) fn listed(
-        &mut self,
-        frame: &Frame<'_>,
-        (name, k): (&str, usize),
-        value: TokenStream,
-    ) -> Ident {
-        let name = format!("{}.{name}", frame.shape.name);
-        self.bodies.names.declare(&name, &[k as i64]);
-        let own = Ident::new(&encoded(&member(&name, &[k as i64])), frame.span);
-        self.bodies
-            .write(quote_spanned!(frame.span=> let #own #value), frame.scope);
-        own
-    }
-
-    fn circle(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
-        let radius = self.size(frame, "radius", frame.kind.tokens())?;
-        self.draw_shape(frame, &quote_spanned!(frame.span=> radius #radius));
-        let shape = &mut frame.shape;
-        (shape.kind, shape.radius) = ("circle", Some(radius));
-        shape.corners = vec![shape.middle.clone()];
-        Ok(())
-    }
-
-    fn rectangle(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
-        let [w, h] = self.lengths("rectangle (w, h)", frame, ["width", "height"])?;
-        let (span, middle) = (frame.span, frame.shape.middle.clone());
-        let halves = [&w, &h].map(|size| quote_spanned!(span=> #size/2));
-        let [along, across] = self.sides(frame, halves);
-        for signs in [['+', '+'], ['-', '+'], ['-', '-'], ['+', '-']] {
-            let [a, b] = signs.map(|sign| punct(sign, span));
-            self.corner(
-                frame,
-                quote_spanned!(span=> #middle #a #w/2*#along #b #h/2*#across),
-            );
-        }
-        self.draw_shape(frame, &quote_spanned!(span=> size (#w, #h)));
-        let shape = &mut frame.shape;
-        let strip = |parity| pair(&shape.sides, 2, parity);
-        shape.strips = vec![strip(0), strip(1)];
-        (shape.kind, shape.is_solid) = ("rectangle", true);
-        Ok(())
-    }
-
-    /// What lies within a radius of a segment, or the segment alone.
-    fn capsule(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
-        let (span, middle) = (frame.span, frame.shape.middle.clone());
-        let length = if frame.kind.word() == "capsule" {
-            let [length, radius] = self.lengths("capsule (l, r)", frame, ["length", "radius"])?;
-            (frame.shape.kind, frame.shape.radius) = ("capsule", Some(radius));
-            length
-        } else {
-            frame.shape.kind = "segment";
-            self.size(frame, "length", frame.kind.tokens())?
-        };
-        let halves = [quote_spanned!(span=> #length/2), quote_spanned!(span=> 0)];
-        let [along, across] = self.sides(frame, halves);
-        for sign in ['+', '-'].map(|sign| punct(sign, span)) {
-            self.corner(frame, quote_spanned!(span=> #middle #sign #length/2*#along));
-        }
-        frame.shape.strips = vec![pair(&frame.shape.sides, 2, 1)];
-        let (shape, is_drawn) = (&frame.shape, frame.is_drawn);
-        let [a, b] = [0, 1].map(|k| &shape.corners[k]);
-        let entries = match &shape.radius {
-            None => vec![quote_spanned!(span=> link #a to #b)],
-            Some(radius) => {
-                let name = |k| encoded(&member(&format!("{}.end", shape.name), &[k]));
-                let [c, d] = [1, 2].map(|k| Ident::new(&name(k), span));
-                vec![
-                    quote_spanned!(span=> circle #c at #a radius #radius),
-                    quote_spanned!(span=> circle #d at #b radius #radius),
-                    quote_spanned!(span=> link #a + #radius*#across to #b + #radius*#across),
-                    quote_spanned!(span=> link #a - #radius*#across to #b - #radius*#across),
-                ]
-            }
-        };
-        for entry in entries.into_iter().filter(|_| is_drawn) {
-            self.bodies.drawn(&shape.name, entry, frame.scope);
-        }
-        Ok(())
-    }
-
-    /// A point alone, which is a corner.
-    pub(super) fn point(&mut self, frame: &mut Frame<'_>) {
-        frame.shape.corners = vec![frame.shape.middle.clone()];
-        (frame.shape.kind, frame.shape.is_solid) = ("point", true);
-        if !self.bodies.in_space {
-            self.draw_shape(frame, &TokenStream::new());
-        }
-    }
-
-    /// All that lies below a function of the first axis.
-    fn below(&mut self, frame: &mut Frame<'_>) {
-        let [along, across] = self.directions(frame);
-        let (span, middle) = (frame.span, &frame.shape.middle);
-        let function = TokenStream::from_iter(frame.kind.tokens().iter().cloned());
-        let name = Ident::new(&encoded(&frame.shape.name), span);
-        if frame.is_drawn {
-            let entry = quote_spanned!(span=> curve #name: #middle + w*#along + #function(w)*#across over w);
-            self.bodies.drawn(&frame.shape.name, entry, frame.scope);
-        }
-        frame.shape.curve = Some((function, [along, across]));
-        frame.shape.kind = "curve";
-    }
-
-    /// A convex polygon, whose corners go round either way: normals have the sign of its area.
-    fn polygon(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
-        let spots = self.spots(frame)?;
-        let [along, across] = self.directions(frame);
-        let (span, middle) = (frame.span, frame.shape.middle.clone());
-        let next = |k: usize| &spots[(k + 1) % spots.len()];
-        let area = spots.iter().enumerate().map(|(k, spot)| {
-            let next = next(k);
-            quote_spanned!(span=> (#spot[0]*#next[1] - #spot[1]*#next[0]))
+/// A rectangle or a box: what is round comes near to its faces, its corners, and in space to its edges.
+fn cuboid(written: &mut Written<'_>, frame: &mut Frame<'_>) -> Checked<()> {
+    let (example, names, corners): (_, &[&str], &[&str]) = match written.in_space {
+        true => (
+            "box (a, b, c)",
+            &["length", "width", "height"],
+            &["+++", "++-", "+-+", "+--", "-++", "-+-", "--+", "---"],
+        ),
+        false => (
+            "rectangle (w, h)",
+            &["width", "height"],
+            &["++", "-+", "--", "+-"],
+        ),
+    };
+    let sizes = lengths(written, example, frame, names)?;
+    let (axes, span, n) = (axes(written, frame), frame.span, names.len());
+    let middle = frame.shape.middle.clone();
+    let halves: Vec<_> = sizes
+        .iter()
+        .map(|size| quote_spanned!(span=> #size/2))
+        .collect();
+    // The place that lies so along some of the axes.
+    let spot = |signs: &str, along: &[usize]| {
+        let parts = signs.chars().zip(along).map(|(sign, &k)| {
+            let (sign, half, axis) = (punct(sign, span), &halves[k], &axes[k]);
+            quote_spanned!(span=> #sign #half*#axis)
         });
-        let area = quote_spanned!(span=> = #(#area)+*);
-        let area = self
-            .bodies
-            .define((&frame.shape.name, "area", span), area, frame.scope);
-        let mut strips = Vec::new();
-        for (k, spot) in spots.iter().enumerate() {
-            self.corner(
-                frame,
-                quote_spanned!(span=> #middle + #spot[0]*#along + #spot[1]*#across),
-            );
-            let next = next(k);
-            let edge = quote_spanned!(span=> = (#next - #spot)/|#next - #spot|);
-            let edge = self.listed(frame, ("edge", k + 1), edge);
-            let normal = quote_spanned!(span=> = #area/sqrt(#area^2)*(#edge[1], -#edge[0]));
-            let normal = self.listed(frame, ("normal", k + 1), normal);
-            let turned = |own: &Ident| quote_spanned!(span=> (#own[0]*#along + #own[1]*#across));
-            let [side, way] = [&normal, &edge].map(turned);
-            let half = quote_spanned!(span=> #normal . (#spot));
-            let ends = [spot, next].map(|end| quote_spanned!(span=> #edge . (#end)));
-            let [begin, end] = ends;
-            strips.push(vec![
-                Side::new(side.clone(), half.clone()).moved(true),
-                Side::new(
-                    quote_spanned!(span=> (-#side)),
-                    quote_spanned!(span=> (-(#half))),
-                ),
-                Side::new(way.clone(), quote_spanned!(span=> (#end))),
-                Side::new(
-                    quote_spanned!(span=> (-#way)),
-                    quote_spanned!(span=> (-(#begin))),
-                ),
-            ]);
-            frame.shape.sides.push(Side::new(side, half));
-        }
-        strips.push(frame.shape.sides.clone());
-        self.draw_shape(frame, &quote_spanned!(span=> corners (#(#spots),*)));
-        let shape = &mut frame.shape;
-        (shape.kind, shape.is_solid, shape.strips) = ("polygon", true, strips);
-        Ok(())
+        quote_spanned!(span=> #middle #(#parts)*)
+    };
+    for signs in corners {
+        corner(written, frame, spot(signs, &[0, 1, 2]));
     }
-
-    /// The corners of a polygon as it is given; it is convex without anything set otherwise.
-    fn spots(&mut self, frame: &Frame<'_>) -> Checked<Vec<Ident>> {
-        let (kind, constants) = (frame.kind, &self.bodies.constants);
-        let points = components(kind.tokens());
-        let parts: Vec<_> = points.iter().map(|point| components(point)).collect();
-        if points.len() < 3 || parts.iter().any(|parts| parts.len() != 2) {
-            let message = "a polygon has three corners at least, each with two lengths, as in `polygon ((0, 0), (l, 0), (0, l))`";
-            return Err(self.bodies.told(kind.place(), message));
-        }
-        let number = |part: &Vec<TokenTree>| constants.value(part, frame.scope);
-        let numbers = parts
-            .iter()
-            .map(|parts| Some([number(&parts[0])?, number(&parts[1])?]));
-        let Some(numbers) = numbers.collect::<Option<Vec<_>>>() else {
-            let message = "the corners of a polygon are computed from numbers and parameters, so that it is known to be convex";
-            return Err(self.bodies.told(kind.place(), message));
-        };
-        if let Some((corner, why)) = bent(&numbers) {
-            let place = place_of(&points[corner], kind.place());
-            let message = format!(
-                "{why} corner {} of the polygon, which has to be convex; make it of several, as in `shape {}.lid: polygon ..`",
-                corner + 1,
-                shown(&frame.shape.body)
-            );
-            return Err(self.bodies.told(place, message));
-        }
-        let spots = points.iter().enumerate().map(|(k, point)| {
-            let span = frame.span;
-            self.listed(
-                frame,
-                ("spot", k + 1),
-                quote_spanned!(span=> : m = #(#point)*),
-            )
-        });
-        Ok(spots.collect())
-    }
-
-    fn half_plane(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
-        if !matches!(frame.kind.tokens(), [TokenTree::Ident(word)] if word == "plane") {
-            let message = "a half plane is written as in `shape ground: half plane`; `at` and `angle` stand behind that";
-            return Err(self.bodies.diagnostics.syntax(frame.kind.place(), message));
-        }
-        let [along, across] = self.directions(frame);
-        let (span, shape) = (frame.span, &mut frame.shape);
-        let side = Side::new(quote_spanned!(span=> #across), quote_spanned!(span=> 0));
-        shape.sides.push(side.moved(true));
-        let (name, middle) = (Ident::new(&encoded(&shape.name), span), &shape.middle);
-        if frame.is_drawn {
-            let entry = quote_spanned!(span=> curve #name: #middle + w*#along over w);
-            self.bodies.drawn(&shape.name, entry, frame.scope);
-        }
-        Ok(())
-    }
-
-    /// Draws a shape under the word of its kind.
-    fn draw_shape(&mut self, frame: &Frame<'_>, size: &TokenStream) {
-        let Frame {
-            shape, span, turn, ..
-        } = frame;
-        let word = Ident::new(&frame.kind.word(), *span);
-        let (name, middle) = (Ident::new(&encoded(&shape.name), *span), &shape.middle);
-        let angle = match self.bodies.turns(&shape.body) {
-            false => TokenStream::new(),
-            true => quote_spanned!(*span=> angle #turn),
-        };
-        if frame.is_drawn {
-            let entry = quote_spanned!(*span=> #word #name at #middle #size #angle);
-            self.bodies.drawn(&shape.name, entry, frame.scope);
-        }
-    }
-
-    /// The shapes that a name means: that of a body with all that have names of their own, or one of these.
-    pub(super) fn shapes_of(
-        &mut self,
-        tokens: &[TokenTree],
-        scope: &Rc<Scope>,
-    ) -> Checked<Vec<usize>> {
-        let place = place_of(tokens, Place::at(Span::call_site()));
-        let whole = self.bodies.whole(tokens, scope)?;
-        let is_meant = |shape: &Shape| shape.name == whole || shape.body == whole;
-        let found: Vec<usize> = (0..self.list.len())
-            .filter(|&k| is_meant(&self.list[k]))
-            .collect();
-        match (found.is_empty(), self.bodies.known.contains_key(&whole)) {
-            (false, _) => Ok(found),
-            (true, true)
-                if self
-                    .bodies
-                    .diagnostics
-                    .is_poisoned(&format!("shape {whole}")) =>
-            {
-                Err(Reported)
+    frame.shape.sides = sides(&axes, &halves, span);
+    let faces = (0..n).map(|k| pair(&frame.shape.sides, n, k));
+    let mut strips: Vec<Vec<Side>> = faces.collect();
+    if written.in_space {
+        for k in 0..n {
+            for signs in ["++", "+-", "-+", "--"] {
+                let line = spot(signs, &[(k + 1) % n, (k + 2) % n]);
+                let number = ("edge", strips.len() + 1 - n);
+                let line = listed(written, frame, number, quote_spanned!(span=> = #line));
+                strips.push(around(&axes[k], &halves[k], line));
             }
-            (true, true) => {
-                let name = shown(&whole);
-                let message = format!(
-                    "body `{name}` has no shape above that could touch anything; declare one before, as in `shape {name}: circle r`"
+        }
+        draw_edges(written, frame);
+    } else {
+        draw_shape(written, frame, &quote_spanned!(span=> size (#(#sizes),*)));
+    }
+    (frame.shape.is_solid, frame.shape.strips) = (true, strips);
+    Ok(())
+}
+
+/// What lies within a radius of a segment, or the segment alone.
+fn capsule(written: &mut Written<'_>, frame: &mut Frame<'_>) -> Checked<()> {
+    let (span, middle) = (frame.span, frame.shape.middle.clone());
+    let length = if frame.shape.kind == "capsule" {
+        let mut sizes = lengths(written, "capsule (l, r)", frame, &["length", "radius"])?;
+        frame.shape.radius = sizes.pop();
+        sizes.remove(0)
+    } else {
+        size(written, frame, "length", frame.kind.tokens())?
+    };
+    let half = quote_spanned!(span=> #length/2);
+    let axes = axes(written, frame);
+    let along = &axes[0];
+    for sign in ['+', '-'].map(|sign| punct(sign, span)) {
+        corner(
+            written,
+            frame,
+            quote_spanned!(span=> #middle #sign #half*#along),
+        );
+    }
+    draw_round(written, frame);
+    if written.in_space {
+        frame.shape.strips = vec![around(along, &half, middle)];
+        return Ok(());
+    }
+    frame.shape.sides = sides(&axes, &[half, quote_spanned!(span=> 0)], span);
+    frame.shape.strips = vec![pair(&frame.shape.sides, 2, 1)];
+    let ([a, b], across) = ([0, 1].map(|k| &frame.shape.corners[k]), &axes[1]);
+    match &frame.shape.radius {
+        None => draw_of(written, frame, quote_spanned!(span=> link #a to #b)),
+        Some(radius) => {
+            for sign in ['+', '-'].map(|sign| punct(sign, span)) {
+                let away = quote_spanned!(span=> #sign #radius*#across);
+                draw_of(
+                    written,
+                    frame,
+                    quote_spanned!(span=> link #a #away to #b #away),
                 );
-                Err(self.bodies.told(place, message))
             }
-            (true, false) => Err(self.bodies.no_body(&whole, place)),
         }
     }
+    Ok(())
+}
+
+/// A point alone, which is a corner.
+fn point_alone(written: &mut Written<'_>, frame: &mut Frame<'_>) {
+    frame.shape.corners = vec![frame.shape.middle.clone()];
+    frame.shape.is_solid = true;
+    if !written.in_space {
+        draw_shape(written, frame, &TokenStream::new());
+    }
+}
+
+/// All that lies below a function of the first axis.
+fn below(written: &mut Written<'_>, frame: &mut Frame<'_>) {
+    let axes = axes(written, frame);
+    let [along, across] = [0, 1].map(|k| axes[k].clone());
+    let (span, middle) = (frame.span, &frame.shape.middle);
+    let function = TokenStream::from_iter(frame.kind.tokens().iter().cloned());
+    let name = ident(&frame.shape.name, span);
+    let entry =
+        quote_spanned!(span=> curve #name: #middle + w*#along + #function(w)*#across over w);
+    draw_of(written, frame, entry);
+    frame.shape.curve = Some((function, [along, across]));
+}
+
+/// A convex polygon, whose corners go round either way: normals have the sign of its area.
+fn polygon(written: &mut Written<'_>, frame: &mut Frame<'_>) -> Checked<()> {
+    let spots = spots(written, frame)?;
+    let axes = axes(written, frame);
+    let [along, across] = [&axes[0], &axes[1]];
+    let (span, middle) = (frame.span, frame.shape.middle.clone());
+    let next = |k: usize| &spots[(k + 1) % spots.len()];
+    let area = spots.iter().enumerate().map(|(k, spot)| {
+        let next = next(k);
+        quote_spanned!(span=> (#spot[0]*#next[1] - #spot[1]*#next[0]))
+    });
+    let area = quote_spanned!(span=> = #(#area)+*);
+    let area = written.define((&frame.shape.name, "area", span), area);
+    let mut strips = Vec::new();
+    for (k, spot) in spots.iter().enumerate() {
+        corner(
+            written,
+            frame,
+            quote_spanned!(span=> #middle + #spot[0]*#along + #spot[1]*#across),
+        );
+        let next = next(k);
+        let edge = quote_spanned!(span=> = (#next - #spot)/|#next - #spot|);
+        let edge = listed(written, frame, ("edge", k + 1), edge);
+        let normal = quote_spanned!(span=> = #area/sqrt(#area^2)*(#edge[1], -#edge[0]));
+        let normal = listed(written, frame, ("normal", k + 1), normal);
+        let turned = |own: &Ident| quote_spanned!(span=> (#own[0]*#along + #own[1]*#across));
+        let [side, way] = [&normal, &edge].map(turned);
+        let half = quote_spanned!(span=> #normal . (#spot));
+        let [begin, end] = [spot, next].map(|end| quote_spanned!(span=> #edge . (#end)));
+        strips.push(vec![
+            Side::new(side.clone(), half.clone()).moved(true),
+            Side::new(
+                quote_spanned!(span=> (-#side)),
+                quote_spanned!(span=> (-(#half))),
+            ),
+            Side::new(way.clone(), quote_spanned!(span=> (#end))),
+            Side::new(
+                quote_spanned!(span=> (-#way)),
+                quote_spanned!(span=> (-(#begin))),
+            ),
+        ]);
+        frame.shape.sides.push(Side::new(side, half));
+    }
+    strips.push(frame.shape.sides.clone());
+    draw_shape(
+        written,
+        frame,
+        &quote_spanned!(span=> corners (#(#spots),*)),
+    );
+    (frame.shape.is_solid, frame.shape.strips) = (true, strips);
+    Ok(())
+}
+
+/// The corners of a polygon as it is given; it is convex without anything set otherwise.
+fn spots(written: &mut Written<'_>, frame: &Frame<'_>) -> Checked<Vec<Ident>> {
+    let kind = frame.kind;
+    let points = components(kind.tokens());
+    let parts: Vec<_> = points.iter().map(|point| components(point)).collect();
+    if points.len() < 3 || parts.iter().any(|parts| parts.len() != 2) {
+        let message = "a polygon has three corners at least, each with two lengths, as in `polygon ((0, 0), (l, 0), (0, l))`";
+        return Err(written.told(kind.place(), message));
+    }
+    let number = |part: &Vec<TokenTree>| written.number(part);
+    let numbers = parts
+        .iter()
+        .map(|parts| Some([number(&parts[0])?, number(&parts[1])?]));
+    let Some(numbers) = numbers.collect::<Option<Vec<_>>>() else {
+        let message = "the corners of a polygon are computed from numbers and parameters, so that it is known to be convex";
+        return Err(written.told(kind.place(), message));
+    };
+    if let Some((corner, why)) = bent(&numbers) {
+        let place = place_of(&points[corner], kind.place());
+        let message = format!(
+            "{why} corner {} of the polygon, which has to be convex; make it of several, as in `shape {}.lid: polygon ..`",
+            corner + 1,
+            shown(&frame.shape.body)
+        );
+        return Err(written.told(place, message));
+    }
+    let spots = points.iter().enumerate().map(|(k, point)| {
+        let span = frame.span;
+        listed(
+            written,
+            frame,
+            ("spot", k + 1),
+            quote_spanned!(span=> : m = #(#point)*),
+        )
+    });
+    Ok(spots.collect())
+}
+
+/// A half plane or a half space: all that lies below its axes but the last.
+fn half(written: &mut Written<'_>, frame: &mut Frame<'_>) -> Checked<()> {
+    let [word, message] = match written.in_space {
+        true => [
+            "space",
+            "a half space is written as in `shape table: half space`; `at` stands behind that",
+        ],
+        false => [
+            "plane",
+            "a half plane is written as in `shape ground: half plane`; `at` and `angle` stand behind that",
+        ],
+    };
+    if !matches!(frame.kind.tokens(), [TokenTree::Ident(own)] if own == word) {
+        return Err(written.diagnostics.syntax(frame.kind.place(), message));
+    }
+    let (axes, span) = (axes(written, frame), frame.span);
+    let up = axes.last();
+    let side = Side::new(quote_spanned!(span=> #up), quote_spanned!(span=> 0));
+    frame.shape.sides.push(Side {
+        tangents: written.in_space.then(|| [0, 1].map(|k| axes[k].clone())),
+        ..side.moved(true)
+    });
+    let (name, middle, along) = (
+        ident(&frame.shape.name, span),
+        &frame.shape.middle,
+        &axes[0],
+    );
+    if !written.in_space {
+        draw_of(
+            written,
+            frame,
+            quote_spanned!(span=> curve #name: #middle + w*#along over w),
+        );
+    }
+    Ok(())
+}
+
+/// Draws something of a shape.
+fn draw_of(written: &mut Written<'_>, frame: &Frame<'_>, entry: TokenStream) {
+    if frame.is_drawn {
+        written.draw(&frame.shape.name, entry);
+    }
+}
+
+/// Draws a shape under the word of its kind.
+fn draw_shape(written: &mut Written<'_>, frame: &Frame<'_>, size: &TokenStream) {
+    let Frame {
+        shape, span, turn, ..
+    } = frame;
+    let word = Ident::new(&shape.kind, *span);
+    let (name, middle) = (ident(&shape.name, *span), &shape.middle);
+    let angle = match written.turns(&shape.body) {
+        false => TokenStream::new(),
+        true => quote_spanned!(*span=> angle #turn),
+    };
+    draw_of(
+        written,
+        frame,
+        quote_spanned!(*span=> #word #name at #middle #size #angle),
+    );
+}
+
+/// Draws circles around the corners, in space as seen along the second axis.
+fn draw_round(written: &mut Written<'_>, frame: &Frame<'_>) {
+    let Some(radius) = &frame.shape.radius else {
+        return;
+    };
+    let span = frame.span;
+    for (k, corner) in (1..).zip(&frame.shape.corners) {
+        let name = match frame.shape.corners.len() {
+            1 => frame.shape.name.clone(),
+            _ => member(&format!("{}.end", frame.shape.name), &[k]),
+        };
+        let name = ident(&name, span);
+        let place = match written.in_space {
+            true => quote_spanned!(span=> (#corner[0], #corner[2])),
+            false => quote_spanned!(span=> #corner),
+        };
+        draw_of(
+            written,
+            frame,
+            quote_spanned!(span=> circle #name at #place radius #radius),
+        );
+    }
+}
+
+/// Draws lines between corners that differ in one sign, as seen along the second axis.
+fn draw_edges(written: &mut Written<'_>, frame: &Frame<'_>) {
+    let pairs = (0..8_usize).flat_map(|a| [1, 2, 4].map(|bit| (a, a | bit)));
+    for (a, b) in pairs.filter(|(a, b)| a < b) {
+        let [a, b] = [a, b].map(|k| &frame.shape.corners[k]);
+        let entry = quote_spanned!(frame.span=> link (#a[0], #a[2]) to (#b[0], #b[2]));
+        draw_of(written, frame, entry);
+    }
+}
+
+/// The shapes that a name means: that of a body with all that have names of their own, or one of these.
+pub(super) fn shapes_of(written: &mut Written<'_>, tokens: &[TokenTree]) -> Checked<Vec<usize>> {
+    let place = place_of(tokens, Place::at(Span::call_site()));
+    let whole = written.whole(tokens)?;
+    let is_meant = |shape: &Shape| shape.name == whole || shape.body == whole;
+    let found: Vec<usize> = (0..written.shapes.len())
+        .filter(|&k| is_meant(&written.shapes[k]))
+        .collect();
+    match (found.is_empty(), written.known.contains_key(&whole)) {
+        (false, _) => Ok(found),
+        (true, true) if written.diagnostics.is_poisoned(&format!("shape {whole}")) => Err(Reported),
+        (true, true) => {
+            let name = shown(&whole);
+            let message = format!(
+                "body `{name}` has no shape above that could touch anything; declare one before, as in `shape {name}: circle r`"
+            );
+            Err(written.told(place, message))
+        }
+        (true, false) => Err(written.no_body(&whole, place)),
+    }
+}
+
+/// Sides on both ends of each axis, at a distance from the middle.
+fn sides(axes: &[Ident], halves: &[TokenStream], span: Span) -> Vec<Side> {
+    let both = ['+', '-'].map(|sign| punct(sign, span));
+    let side = |sign: &TokenTree, (axis, half): (&Ident, &TokenStream)| {
+        Side::new(quote_spanned!(span=> (#sign #axis)), half.clone())
+    };
+    let ends = both
+        .iter()
+        .flat_map(|sign| axes.iter().zip(halves).map(move |end| side(sign, end)));
+    ends.collect()
+}
+
+/// What lies within a radius of a line of some length.
+fn around(axis: &Ident, half: &TokenStream, line: Ident) -> Vec<Side> {
+    let (span, end) = (axis.span(), |side: TokenStream| Side {
+        line: Some(line.clone()),
+        ..Side::new(side, half.clone())
+    });
+    let along = end(quote_spanned!(span=> #axis));
+    vec![
+        along.clone().moved(true),
+        along,
+        end(quote_spanned!(span=> (-#axis))),
+    ]
 }
 
 /// Sides of which those with a remainder are moved by a radius.
-pub(super) fn pair(sides: &[Side], by: usize, remainder: usize) -> Vec<Side> {
+fn pair(sides: &[Side], by: usize, remainder: usize) -> Vec<Side> {
     let sides = sides.iter().cloned().enumerate();
     sides
         .map(|(k, side)| side.moved(k % by == remainder))

@@ -2,7 +2,7 @@
 
 use super::clause::{Clause, clauses};
 use super::part::Placed;
-use super::tokens::{components, ended, grouped, is_punct, keyword, undocumented};
+use super::tokens::{components, ended, grouped, halves, keyword, undocumented};
 use crate::words;
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
 use quote::quote_spanned;
@@ -19,13 +19,8 @@ pub(super) fn is_there(statements: &[Placed]) -> bool {
     // How many components the values behind a word of bodies have.
     let behind = |word: &'static str| {
         let said = of("body").flat_map(|statement| {
-            let colon = statement
-                .iter()
-                .position(|token| is_punct(Some(token), ':'));
-            clauses(
-                &statement[colon.map_or(statement.len(), |colon| colon + 1)..],
-                &words::BODY,
-            )
+            let [_, said] = halves(statement, ':');
+            clauses(said, &words::BODY)
         });
         let said = said.filter(move |clause| clause.word() == word && !clause.is_named());
         said.map(|clause| count(clause.tokens()))

@@ -55,6 +55,21 @@ pub(super) fn components(value: &[TokenTree]) -> Vec<Vec<TokenTree>> {
     }
 }
 
+/// What stands before the first of these marks, and behind it: nothing if there is none.
+pub(super) fn halves(tokens: &[TokenTree], mark: char) -> [&[TokenTree]; 2] {
+    let mut halves = tokens.splitn(2, |token| is_punct(Some(token), mark));
+    [(); 2].map(|()| halves.next().unwrap_or_default())
+}
+
+/// What stands on both sides of some marks, if both sides have anything.
+pub(super) fn parted<'t>(tokens: &'t [TokenTree], marks: &[&str]) -> Option<[&'t [TokenTree]; 2]> {
+    let is_mark = |(token, mark): (&TokenTree, &&str)| token.to_string() == **mark;
+    let mut places = tokens.get(1..)?.windows(marks.len());
+    let at = 1 + places.position(|place| place.iter().zip(marks).all(is_mark))?;
+    let behind = &tokens[at + marks.len()..];
+    (!behind.is_empty()).then_some([&tokens[..at], behind])
+}
+
 /// Tokens without their documentation.
 pub(super) fn undocumented(mut tokens: &[TokenTree]) -> &[TokenTree] {
     while is_punct(tokens.first(), '#') {

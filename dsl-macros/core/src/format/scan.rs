@@ -1,10 +1,14 @@
 //! A text as words, symbols and comments, with where lines end.
 
+use crate::text;
+
 /// One piece of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Piece {
     pub(super) kind: Kind,
     pub(super) text: String,
+    /// Where it begins, in bytes.
+    pub(super) at: usize,
     /// Line ends between the piece before and this one.
     pub(super) lines: usize,
     /// Whether blanks or line ends stand before it.
@@ -49,12 +53,13 @@ pub(super) fn pieces(text: &str) -> Vec<Piece> {
         let (kind, length) = if trimmed.starts_with("//") {
             (Kind::Comment, trimmed.find('\n').unwrap_or(trimmed.len()))
         } else if trimmed.starts_with("/*") {
-            (Kind::Comment, block_comment(trimmed))
+            let length = text::comment(trimmed);
+            (Kind::Comment, length.unwrap_or(trimmed.len()))
         } else if begins_number(trimmed) {
             (Kind::Word, number(trimmed))
         } else if first == '"' {
-            let end = trimmed[1..].find('"');
-            (Kind::Word, end.map_or(trimmed.len(), |end| end + 2))
+            let length = text::string(trimmed);
+            (Kind::Word, length.unwrap_or(trimmed.len()))
         } else if first.is_alphanumeric() || first == '_' {
             let end = trimmed.find(|c: char| !c.is_alphanumeric() && c != '_');
             (Kind::Word, end.unwrap_or(trimmed.len()))
@@ -68,6 +73,7 @@ pub(super) fn pieces(text: &str) -> Vec<Piece> {
         pieces.push(Piece {
             kind,
             text: trimmed[..length].trim_end().to_owned(),
+            at: text.len() - trimmed.len(),
             lines: blank.matches('\n').count(),
             apart: !blank.is_empty(),
         });
@@ -90,28 +96,6 @@ fn set_units_apart(pieces: &mut [Piece]) {
         let before = open.checked_sub(2).and_then(|before| pieces.get(before));
         pieces[open].apart = number && !product(behind) && !product(before);
     }
-}
-
-/// Length of a comment in `/* */`, which may hold others.
-fn block_comment(text: &str) -> usize {
-    let mut depth = 0;
-    let mut at = 0;
-    while at < text.len() {
-        let rest = &text[at..];
-        if rest.starts_with("/*") {
-            depth += 1;
-            at += 2;
-        } else if rest.starts_with("*/") {
-            depth -= 1;
-            at += 2;
-            if depth == 0 {
-                return at;
-            }
-        } else {
-            at += rest.chars().next().map_or(1, char::len_utf8);
-        }
-    }
-    text.len()
 }
 
 /// Whether a number stands first, such as `2` or `.5`.

@@ -6,7 +6,7 @@
 use super::elementary::{Function, Function2};
 use super::limits::checked;
 use super::node::{Node, Sym, intern};
-use super::normal::{product, sum};
+use super::normal::{is_reversed, product, sum};
 
 /// Powers, multiples and functions of an expression.
 pub(crate) trait Compose {
@@ -98,27 +98,11 @@ fn call(function: Function, x: Sym) -> Sym {
     }
     if let Some(sign) = function.parity() {
         let opposite = -x;
-        if sign_is_reversed(x) {
+        if matches!(x.node(), Node::Sum(terms) if is_reversed(&terms)) {
             return call(function, opposite).scaled(sign);
         }
     }
     intern(Node::Call(function, x))
-}
-
-/// Whether the negative of `x` is the form that is kept: canonical for `x` and `-x`.
-fn sign_is_reversed(x: Sym) -> bool {
-    let Node::Sum(terms) = x.node() else {
-        return false;
-    };
-    let negative = terms
-        .iter()
-        .filter(|&&(_, bits)| f64::from_bits(bits) < 0.0)
-        .count();
-    match (2 * negative).cmp(&terms.len()) {
-        std::cmp::Ordering::Less => false,
-        std::cmp::Ordering::Equal => f64::from_bits(terms[0].1) < 0.0,
-        std::cmp::Ordering::Greater => true,
-    }
 }
 
 fn call2(function: Function2, first: Sym, second: Sym) -> Sym {

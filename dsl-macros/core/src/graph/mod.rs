@@ -28,7 +28,7 @@ pub(crate) use node::{Node, Sym, Variable, children, generation, reset};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
     Sweeps, contains, degree, depends_on, directional, gradient, is_longer_than, partial,
-    reachable, substitute, variables, with_roots,
+    reachable, substitute, vanishes_with, variables, with_roots,
 };
 pub use profile::{Profile, Spline, piecewise};
 pub(crate) use second_order::hessian;

@@ -201,18 +201,24 @@ fn power_of_number(value: f64, exponent: i32) -> f64 {
     }
 }
 
+/// Whether the negative of a sum is the form that is kept: canonical for a sum and its negative.
+pub(super) fn is_reversed(terms: &[(Sym, u64)]) -> bool {
+    let negative = |&(_, bits): &(Sym, u64)| f64::from_bits(bits) < 0.0;
+    let count = terms.iter().filter(|&term| negative(term)).count();
+    match (2 * count).cmp(&terms.len()) {
+        std::cmp::Ordering::Less => false,
+        std::cmp::Ordering::Equal => terms.first().is_some_and(negative),
+        std::cmp::Ordering::Greater => true,
+    }
+}
+
 /// The content of a sum: a number and a monomial that every term carries, and what remains. The
 /// remainder is the same for a sum and its negative.
 fn content(terms: &[(Sym, u64)]) -> (f64, Vec<(Sym, i32)>, Sym) {
-    let coefficients = || terms.iter().map(|&(_, bits)| f64::from_bits(bits));
-    let first = coefficients().next().unwrap_or(1.0);
-    let negative = coefficients().filter(|&c| c < 0.0).count();
-    let flip = match (2 * negative).cmp(&terms.len()) {
-        std::cmp::Ordering::Less => false,
-        std::cmp::Ordering::Equal => first < 0.0,
-        std::cmp::Ordering::Greater => true,
-    };
-    let magnitude = if coefficients().all(|c| c.abs() == first.abs()) {
+    let mut coefficients = terms.iter().map(|&(_, bits)| f64::from_bits(bits));
+    let first = terms.first().map_or(1.0, |&(_, bits)| f64::from_bits(bits));
+    let flip = is_reversed(terms);
+    let magnitude = if coefficients.all(|c| c.abs() == first.abs()) {
         first.abs()
     } else {
         1.0

@@ -57,6 +57,12 @@ pub(crate) fn depends_on(root: Sym, test: impl Fn(Variable) -> bool) -> bool {
     variables(&[root]).into_iter().any(test)
 }
 
+/// Whether an expression contains variables for which `test` holds, and is 0 where all of these are.
+pub(crate) fn vanishes_with(root: Sym, test: impl Fn(Variable) -> bool) -> bool {
+    let zero = |variable| test(variable).then_some(Sym::ZERO);
+    depends_on(root, &test) && substitute(&[root], zero)[0].is_structural_zero()
+}
+
 /// Whether an expression contains a variable for which `test` holds; looks no further than the first one.
 pub(crate) fn contains(root: Sym, test: impl Fn(Variable) -> bool) -> bool {
     let mut seen: Set<Sym> = Set::default();
@@ -161,7 +167,8 @@ impl Sweeps {
                 _ if !spend(1 + self.parts[i].len()) => return vec![Sym::ZERO; self.roots.len()],
                 _ => {
                     let of = |part| self.place.get(&part).map_or(Sym::ZERO, |&at| rates[at]);
-                    let own = rate(node, of);
+                    let slopes = slopes(node, of).into_iter();
+                    let own = sum(slopes.map(|(_, value, factor)| (value, factor)));
                     match node {
                         Node::Kept(_) => (self.keep)(own),
                         _ => own,
@@ -198,41 +205,37 @@ pub(crate) fn partial(roots: &[Sym], variable: Variable) -> Vec<Sym> {
     Sweeps::over(roots).partial(variable)
 }
 
-/// The rate of a node by the rates of its parts.
-pub(super) fn rate(node: &Node, of: impl Fn(Sym) -> Sym) -> Sym {
+/// Each part of a node with the derivative of the node by it times the weight of the part, and a number.
+pub(super) fn slopes(node: &Node, weight: impl Fn(Sym) -> Sym) -> Vec<(Sym, Sym, f64)> {
+    let times = |part: Sym, partial: Sym| match weight(part) {
+        Sym::ZERO => (part, Sym::ZERO, 1.0),
+        weight => (part, weight * partial, 1.0),
+    };
     match node {
-        Node::Number(_) | Node::Variable(_) => Sym::ZERO,
-        Node::Sum(terms) => sum(terms
+        Node::Number(_) | Node::Variable(_) => Vec::new(),
+        Node::Sum(terms) => terms
             .iter()
-            .map(|&(term, bits)| (of(term), f64::from_bits(bits)))),
+            .map(|&(term, bits)| (term, weight(term), f64::from_bits(bits)))
+            .collect(),
         Node::Product(factors) => {
             // Over the powers of the factors, the product rule of the dual numbers.
-            let mut terms = Vec::new();
-            for (i, &(factor, halves)) in factors.iter().enumerate() {
-                let eps = of(factor);
-                if eps.is_structural_zero() {
-                    continue;
-                }
+            let own = |(i, &(factor, halves)): (usize, &(Sym, i32))| {
+                let weight = weight(factor);
                 let mut rest: Vec<(Sym, i32)> = factors.to_vec();
                 rest[i].1 = halves - 2;
-                rest.push((eps, 2));
-                terms.push((product(rest), f64::from(halves) / 2.0));
-            }
-            sum(terms)
+                rest.push((weight, 2));
+                let is_there = !weight.is_structural_zero();
+                is_there.then(|| (factor, product(rest), f64::from(halves) / 2.0))
+            };
+            factors.iter().enumerate().filter_map(own).collect()
         }
-        Node::Kept(inner) => of(*inner),
-        Node::Call(function, argument) => of(*argument) * derivative(*function, *argument),
+        Node::Kept(inner) => vec![(*inner, weight(*inner), 1.0)],
+        Node::Call(function, argument) => {
+            vec![times(*argument, derivative(*function, *argument))]
+        }
         Node::Call2(function, first, second) => {
             let (by_first, by_second) = derivatives(*function, *first, *second);
-            let (first, second) = (of(*first), of(*second));
-            let mut eps = Sym::ZERO;
-            if !first.is_structural_zero() {
-                eps += first * by_first;
-            }
-            if !second.is_structural_zero() {
-                eps += second * by_second;
-            }
-            eps
+            vec![times(*first, by_first), times(*second, by_second)]
         }
     }
 }
@@ -257,33 +260,8 @@ pub(super) fn gradient_by(root: Sym, by: &[Variable], keep: fn(Sym) -> Sym) -> V
             continue;
         }
         let adjoint = keep(adjoint);
-        let mut add = |part: Sym, value: Sym, factor: f64| {
+        for (part, value, factor) in slopes(&sym.node(), |_| adjoint) {
             adjoints.entry(part).or_default().push((value, factor));
-        };
-        match sym.node() {
-            Node::Number(_) | Node::Variable(_) => {}
-            Node::Sum(terms) => {
-                for &(term, bits) in terms.iter() {
-                    add(term, adjoint, f64::from_bits(bits));
-                }
-            }
-            Node::Product(factors) => {
-                for (i, &(factor, halves)) in factors.iter().enumerate() {
-                    let mut rest: Vec<(Sym, i32)> = factors.to_vec();
-                    rest[i].1 = halves - 2;
-                    rest.push((adjoint, 2));
-                    add(factor, product(rest), f64::from(halves) / 2.0);
-                }
-            }
-            Node::Kept(inner) => add(inner, adjoint, 1.0),
-            Node::Call(function, argument) => {
-                add(argument, adjoint * derivative(function, argument), 1.0);
-            }
-            Node::Call2(function, first, second) => {
-                let (by_first, by_second) = derivatives(function, first, second);
-                add(first, adjoint * by_first, 1.0);
-                add(second, adjoint * by_second, 1.0);
-            }
         }
     }
     by.iter()

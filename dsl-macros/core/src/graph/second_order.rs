@@ -155,34 +155,17 @@ fn second_partials(node: &Node) -> Vec<(Sym, Sym, Sym)> {
     }
 }
 
-/// Parts of a node and the derivative with respect to each.
+/// Parts of a node, each once, and the derivative with respect to each.
 fn partials(node: &Node) -> Vec<(Sym, Sym)> {
-    match node {
-        Node::Number(_) | Node::Variable(_) => Vec::new(),
-        Node::Sum(terms) => terms
-            .iter()
-            .map(|&(term, bits)| (term, Sym::number(f64::from_bits(bits))))
-            .collect(),
-        Node::Product(factors) => (0..factors.len())
-            .map(|i| {
-                let (factor, halves) = factors[i];
-                let mut rest = factors.to_vec();
-                rest[i].1 = halves - 2;
-                let partial = sum([(product(rest), f64::from(halves) / 2.0)]);
-                (factor, partial)
-            })
-            .collect(),
-        Node::Call(function, argument) => vec![(*argument, derivative(*function, *argument))],
-        Node::Call2(function, first, second) if first == second => {
-            let (by_first, by_second) = derivatives(*function, *first, *second);
-            vec![(*first, by_first + by_second)]
+    let mut all: Vec<(Sym, Sym)> = Vec::new();
+    for (part, value, factor) in passes::slopes(node, |_| Sym::ONE) {
+        let value = value.scaled(factor);
+        match all.last_mut() {
+            Some((known, sum)) if *known == part => *sum += value,
+            _ => all.push((part, value)),
         }
-        Node::Call2(function, first, second) => {
-            let (by_first, by_second) = derivatives(*function, *first, *second);
-            vec![(*first, by_first), (*second, by_second)]
-        }
-        Node::Kept(inner) => vec![(*inner, Sym::ONE)],
     }
+    all
 }
 
 /// `f''(x)`, by dual numbers over the rule of the first derivative.

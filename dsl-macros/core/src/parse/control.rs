@@ -3,10 +3,10 @@
 use super::cursor::Cursor;
 use super::documentation::documentation;
 use super::expression::{compared, expression};
-use super::pieces::{block, entries, name, range, target};
+use super::pieces::{assignment, block, entries, named, range, target};
 use crate::ast::{
-    Assignment, Condition, Documentation, Expr, FreeStart, Kind, Name, Quantity, Relation,
-    Statement, WrittenUnit,
+    Condition, Documentation, Expr, FreeStart, Kind, Name, Quantity, Relation, Statement,
+    WrittenUnit,
 };
 use crate::diagnostics::{Checked, Reported};
 use hangtime_units::Unit;
@@ -14,24 +14,20 @@ use hangtime_units::Unit;
 /// `finally { condition, ... }`.
 pub(super) fn finally(cursor: &mut Cursor, word: &Name) -> Checked<Statement> {
     let inner = block(cursor, word)?;
-    let goals = entries(inner, |cursor| {
+    Ok(Statement::Finally(conditions(inner)))
+}
+
+fn conditions(inner: Cursor) -> Vec<Condition> {
+    entries(inner, |cursor| {
         let documentation = documentation(cursor);
         condition(cursor, documentation)
-    });
-    Ok(Statement::Finally(goals))
+    })
 }
 
 /// `constraint name: condition`.
 pub(super) fn constraint(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
-    let begin = cursor.place();
-    let name = match cursor.ident() {
-        Some(_) => Some(name(cursor, "a name")?),
-        None => None,
-    };
-    let Some(name) = name.filter(|_| cursor.eat_symbol(":")) else {
-        let message = "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
-        return Err(cursor.said().syntax(begin, message));
-    };
+    let message = "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
+    let name = named(cursor, message)?;
     let condition = condition(cursor, documentation)?;
     Ok(Statement::Constraint { name, condition })
 }
@@ -53,22 +49,7 @@ pub(super) fn when(
     }
     let inner = block(cursor, word)?;
     let before = cursor.said().mistakes();
-    let assignments = entries(inner, |cursor| {
-        let (target, velocity) = target(cursor)?;
-        if !cursor.eat_symbol("=") {
-            let name = match velocity {
-                true => format!("dot({})", target.text),
-                false => target.text,
-            };
-            return Err(cursor.unexpected(&format!("`=`, as in `{name} = 1`")));
-        }
-        let value = expression(cursor)?;
-        Ok(Assignment {
-            target,
-            velocity,
-            value,
-        })
-    });
+    let assignments = entries(inner, |cursor| assignment(cursor, "="));
     if assignments.is_empty() && cursor.said().mistakes() > before {
         return Err(Reported);
     }
@@ -87,10 +68,7 @@ pub(super) fn at(cursor: &mut Cursor, word: &Name) -> Checked<Statement> {
     };
     let inner = block(cursor, word)?;
     let before = cursor.said().mistakes();
-    let conditions = entries(inner, |cursor| {
-        let documentation = documentation(cursor);
-        condition(cursor, documentation)
-    });
+    let conditions = conditions(inner);
     if conditions.is_empty() && cursor.said().mistakes() > before {
         return Err(Reported);
     }

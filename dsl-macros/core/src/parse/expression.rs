@@ -6,7 +6,7 @@ use crate::ast::{Expr, Kind, Link, Name, Operator};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::expand::is_product;
 use crate::words;
-use proc_macro2::{Delimiter, Group, Ident, TokenTree};
+use proc_macro2::{Delimiter, Group, TokenTree};
 use std::cell::RefMut;
 
 /// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
@@ -19,28 +19,25 @@ const POWER: u8 = 7;
 
 /// Parses one expression and leaves the cursor behind it.
 pub(super) fn expression(cursor: &mut Cursor) -> Checked<Expr> {
-    whole(cursor, (false, &[]))
+    whole(cursor, (false, false))
 }
 
-/// Parses one expression, which ends before any of these words.
-pub(super) fn expression_before(
-    words: &'static [&'static str],
-    cursor: &mut Cursor,
-) -> Checked<Expr> {
-    whole(cursor, (false, words))
+/// Parses one expression of a picture, which ends before any word of that.
+pub(super) fn expression_in_picture(cursor: &mut Cursor) -> Checked<Expr> {
+    whole(cursor, (false, true))
 }
 
 /// Parses the right side of a comparison.
 pub(super) fn compared(cursor: &mut Cursor) -> Checked<Expr> {
-    whole(cursor, (true, &[]))
+    whole(cursor, (true, false))
 }
 
-fn whole(cursor: &mut Cursor, (compared, ends): (bool, &'static [&'static str])) -> Checked<Expr> {
+fn whole(cursor: &mut Cursor, (compared, pictured): (bool, bool)) -> Checked<Expr> {
     let mut parser = Parser {
         said: cursor.all_said(),
         nesting: 0,
         compared,
-        ends,
+        pictured,
     };
     cursor.open_comparison();
     let expr = parser.climb(cursor, 0)?;
@@ -54,8 +51,8 @@ struct Parser {
     nesting: usize,
     /// Whether a comparison stands on the left.
     compared: bool,
-    /// Words before which the expression ends.
-    ends: &'static [&'static str],
+    /// Whether the expression ends before words of a picture.
+    pictured: bool,
 }
 
 impl Parser {
@@ -128,16 +125,13 @@ impl Parser {
             ));
         }
         let whole = base.place.to(exponent.place);
-        let depth = base.depth.max(exponent.depth);
-        self.node(
-            Kind::Power {
-                base: Box::new(base),
-                place,
-                exponent: Box::new(exponent),
-            },
-            whole,
-            depth,
-        )
+        let (base, exponent) = (Box::new(base), Box::new(exponent));
+        let kind = Kind::Power {
+            base,
+            place,
+            exponent,
+        };
+        self.node(kind, whole)
     }
 
     /// One more operand behind an expression: a sum of terms or a product of factors becomes longer, not
@@ -153,21 +147,31 @@ impl Parser {
             rest.push(link);
             return Ok(left);
         }
-        let depth = left.depth.max(link.operand.depth);
-        self.node(Kind::Chain(Box::new(left), vec![link]), whole, depth)
+        self.node(Kind::Chain(Box::new(left), vec![link]), whole)
     }
 
-    fn node(&mut self, kind: Kind, place: Place, depth_below: usize) -> Checked<Expr> {
-        // Components and indices nest without brackets.
-        if depth_below >= 4 * DEPTH {
-            return Err(self.too_deep(place));
-        }
-        Ok(Expr {
+    fn node(&mut self, kind: Kind, place: Place) -> Checked<Expr> {
+        let mut expr = Expr {
             kind,
             place,
-            depth: depth_below + 1,
+            depth: 1,
             parenthesized: false,
-        })
+        };
+        let below = expr.children().into_iter().map(|part| part.depth).max();
+        expr.depth += below.unwrap_or(0);
+        // Components and indices nest without brackets.
+        match expr.depth > 4 * DEPTH {
+            true => Err(self.too_deep(place)),
+            false => Ok(expr),
+        }
+    }
+
+    fn call(&mut self, function: Name, arguments: Vec<Expr>, place: Place) -> Checked<Expr> {
+        let kind = Kind::Call {
+            function,
+            arguments,
+        };
+        self.node(kind, place)
     }
 
     fn too_deep(&mut self, place: Place) -> Reported {
@@ -186,8 +190,8 @@ impl Parser {
         }
         if !group && cursor.eat_symbol("-") {
             let inner = self.climb(cursor, SIGN)?;
-            let (place, depth) = (start.to(inner.place), inner.depth);
-            return self.node(Kind::Negate(Box::new(inner)), place, depth);
+            let place = start.to(inner.place);
+            return self.node(Kind::Negate(Box::new(inner)), place);
         }
         let primary = self.primary(cursor)?;
         self.postfix(cursor, primary)
@@ -215,15 +219,8 @@ impl Parser {
                     expr = self.method(expr, name, (cursor, &group))?;
                     continue;
                 }
-                let (place, depth) = (expr.place.to(name.place()), expr.depth);
-                expr = self.node(
-                    Kind::Component {
-                        vector: Box::new(expr),
-                        name,
-                    },
-                    place,
-                    depth,
-                )?;
+                let (place, vector) = (expr.place.to(name.place()), Box::new(expr));
+                expr = self.node(Kind::Component { vector, name }, place)?;
             } else if point
                 && (applied
                     || cursor.at_invisible_group(1)
@@ -234,31 +231,14 @@ impl Parser {
                 let place = cursor.place();
                 cursor.advance();
                 let right = self.primary(cursor)?;
-                let (whole, depth) = (expr.place.to(right.place), expr.depth.max(right.depth));
-                let function = Name {
-                    text: "dot".to_owned(),
-                    ident: Ident::new("dot", place.start),
-                };
-                let arguments = vec![expr, right];
-                expr = self.node(
-                    Kind::Call {
-                        function,
-                        arguments,
-                    },
-                    whole,
-                    depth,
-                )?;
+                let whole = expr.place.to(right.place);
+                let function = Name::at(place, "dot".to_owned());
+                expr = self.call(function, vec![expr, right], whole)?;
             } else if let Some(group) = cursor.eat_group(Delimiter::Bracket) {
                 let index = self.index(cursor, &group)?;
-                let (place, depth) = (expr.place.to(Place::at(group.span_close())), expr.depth);
-                expr = self.node(
-                    Kind::Index {
-                        vector: Box::new(expr),
-                        index,
-                    },
-                    place,
-                    depth,
-                )?;
+                let place = expr.place.to(Place::at(group.span_close()));
+                let vector = Box::new(expr);
+                expr = self.node(Kind::Index { vector, index }, place)?;
             } else {
                 return Ok(expr);
             }
@@ -274,8 +254,6 @@ impl Parser {
     ) -> Checked<Expr> {
         let mut arguments = self.items(cursor.inside(group))?;
         let place = object.place.to(Place::at(group.span_close()));
-        let depths = arguments.iter().map(|argument| argument.depth);
-        let depth = depths.max().unwrap_or(0).max(object.depth);
         let function = words::is_function(&name.text) && name.text != "diff";
         let kind = match (name.text.as_str(), arguments.pop()) {
             ("powi" | "powf" | "pow", Some(exponent)) if arguments.is_empty() => Kind::Power {
@@ -299,7 +277,7 @@ impl Parser {
                 return Err(self.said().syntax(place, message));
             }
         };
-        let meant = self.node(kind, place, depth)?;
+        let meant = self.node(kind, place)?;
         // What has a kink is refused for that.
         if !words::NONSMOOTH.contains(&name.text.as_str()) {
             let rate = match &meant.kind {
@@ -347,7 +325,7 @@ impl Parser {
         }
         if let Some(literal) = number::literal(cursor) {
             let (kind, place) = number::number(cursor, &literal)?;
-            return self.node(kind, place, 0);
+            return self.node(kind, place);
         }
         if cursor.eat_symbol("|") {
             let inner = self.climb(cursor, 0)?;
@@ -355,8 +333,8 @@ impl Parser {
                 self.ends_there(cursor, &inner, false)?;
                 return Err(cursor.unexpected("the closing `|` of a norm"));
             }
-            let (whole, depth) = (place.to(cursor.previous()), inner.depth);
-            return self.node(Kind::Norm(Box::new(inner)), whole, depth);
+            let whole = place.to(cursor.previous());
+            return self.node(Kind::Norm(Box::new(inner)), whole);
         }
         if let Some(group) = cursor.eat_group(Delimiter::Parenthesis) {
             let mut items = self.items(cursor.inside(&group))?;
@@ -364,7 +342,6 @@ impl Parser {
                 start: group.span_open(),
                 end: group.span_close(),
             };
-            let depth = items.iter().map(|item| item.depth).max().unwrap_or(0);
             return match items.len() {
                 0 => Err(self
                     .said()
@@ -375,7 +352,7 @@ impl Parser {
                     inner.parenthesized = true;
                     Ok(inner)
                 }
-                _ => self.node(Kind::Vector(items), whole, depth),
+                _ => self.node(Kind::Vector(items), whole),
             };
         }
         if cursor.ident().is_some_and(|ident| {
@@ -417,22 +394,14 @@ impl Parser {
                 return self.call_without_parentheses(cursor, name);
             }
             let place = name.place();
-            return self.node(Kind::Name(name), place, 0);
+            return self.node(Kind::Name(name), place);
         };
         let whole = name.place().to(Place::at(group.span_close()));
         if name.text == "diff" {
             return self.derivative(cursor, &name, &group);
         }
         let arguments = self.items(cursor.inside(&group))?;
-        let depth = arguments.iter().map(|item| item.depth).max().unwrap_or(0);
-        self.node(
-            Kind::Call {
-                function: name,
-                arguments,
-            },
-            whole,
-            depth,
-        )
+        self.call(name, arguments, whole)
     }
 
     /// `if left >= right { value } else { other }`, with the cursor behind `if`: a call with the larger side, the smaller one and
@@ -468,18 +437,8 @@ impl Parser {
         } else {
             (right, left)
         };
-        let arguments = vec![large, small, yes, no];
-        let depth = arguments.iter().map(|part| part.depth).max().unwrap_or(0);
         let whole = name.place().to(cursor.previous());
-        let function = name;
-        self.node(
-            Kind::Call {
-                function,
-                arguments,
-            },
-            whole,
-            depth,
-        )
+        self.call(name, vec![large, small, yes, no], whole)
     }
 
     /// An expression in braces.
@@ -517,16 +476,8 @@ impl Parser {
             name.text
         );
         self.said().syntax(name.place(), message);
-        let (place, depth) = (name.place().to(argument.place), argument.depth);
-        let arguments = vec![argument];
-        self.node(
-            Kind::Call {
-                function: name,
-                arguments,
-            },
-            place,
-            depth,
-        )
+        let place = name.place().to(argument.place);
+        self.call(name, vec![argument], place)
     }
 
     /// `std::f64::consts::PI`, which is reported and read as its last name.
@@ -544,7 +495,7 @@ impl Parser {
         let text = &last.text;
         let message = format!("a path of Rust has no meaning here; write `{text}`");
         self.said().syntax(place, message);
-        self.node(Kind::Name(last), place, 0)
+        self.node(Kind::Name(last), place)
     }
 
     /// `diff(f)(y)`, `diff(diff(f))(y)`.
@@ -587,22 +538,17 @@ impl Parser {
                 ),
             ));
         }
-        let item = items.remove(0);
-        let depth = item.depth;
-        self.node(
-            Kind::Derivative {
-                function,
-                order,
-                argument: Box::new(item),
-            },
-            place,
-            depth,
-        )
+        let kind = Kind::Derivative {
+            function,
+            order,
+            argument: Box::new(items.remove(0)),
+        };
+        self.node(kind, place)
     }
 
     /// Whether nothing follows that reads as a further factor; `list` tells whether a comma may be meant.
     fn ends_there(&mut self, cursor: &Cursor, left: &Expr, list: bool) -> Checked<()> {
-        let where_it_may_end = (self.compared, self.ends);
+        let where_it_may_end = (self.compared, self.pictured);
         slips::no_factor(cursor, (left, list), where_it_may_end)
     }
 
@@ -637,7 +583,7 @@ impl Parser {
         };
         let value = number.parse().map_err(|_| reported)?;
         let (kind, place) = number::with_unit(cursor, (value, number), begin)?;
-        self.node(kind, place, 0)
+        self.node(kind, place)
     }
 }
 

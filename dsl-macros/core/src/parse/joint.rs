@@ -3,33 +3,21 @@
 use super::control::relation_follows;
 use super::cursor::Cursor;
 use super::expression::{compared, expression};
-use super::pieces::name;
+use super::pieces::{named, said_of};
 use crate::ast::{Documentation, Expr, Name, Statement};
-use crate::diagnostics::{Checked, Reported};
+use crate::diagnostics::Checked;
 
 /// `joint name: left == right`.
 pub(super) fn joint(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
-    let begin = cursor.place();
-    let named = match cursor.ident() {
-        Some(_) => Some(name(cursor, "the name of the joint")?),
-        None => None,
-    };
-    let Some(name) = named.filter(|_| cursor.eat_symbol(":")) else {
-        let message = "a joint has a name, as in `joint loop: left == right`";
-        return Err(cursor.said().syntax(begin, message));
-    };
-    match sides(cursor, &name) {
-        Ok([left, right]) => Ok(Statement::Joint {
-            documentation,
-            name,
-            left,
-            right,
-        }),
-        Err(Reported) => {
-            cursor.said().poison(&name.text);
-            Err(Reported)
-        }
-    }
+    let message = "a joint has a name, as in `joint loop: left == right`";
+    let name = named(cursor, message)?;
+    let [left, right] = said_of(&name, cursor, |cursor| sides(cursor, &name))?;
+    Ok(Statement::Joint {
+        documentation,
+        name,
+        left,
+        right,
+    })
 }
 
 /// Both sides of the equation.

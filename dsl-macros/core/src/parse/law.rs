@@ -3,7 +3,7 @@
 
 use super::cursor::Cursor;
 use super::expression::expression;
-use super::pieces::name;
+use super::pieces::{name, said_of};
 use crate::ast::{Documentation, Expr, Law, Name, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -61,20 +61,27 @@ fn law(cursor: &mut Cursor) -> Checked<Law> {
     }
     let begin = cursor.place();
     let mut parts = Parts::default();
-    loop {
-        parts.read(cursor)?;
-        if !cursor.eat_symbol(",") {
-            break;
-        }
-    }
-    if cursor
-        .ident()
-        .is_some_and(|ident| words::LAW_PARTS.contains(&ident.to_string().as_str()))
-    {
-        let message = format!("a comma is missing before {}", cursor.describe());
-        return Err(cursor.said().syntax(cursor.place(), message));
-    }
+    each_part(cursor, &words::LAW_PARTS, |cursor| parts.read(cursor))?;
     parts.law(begin, &mut cursor.said())
+}
+
+/// Reads parts between commas, which begin with some words.
+fn each_part(
+    cursor: &mut Cursor,
+    words: &[&str],
+    mut read: impl FnMut(&mut Cursor) -> Checked<()>,
+) -> Checked<()> {
+    read(cursor)?;
+    while cursor.eat_symbol(",") {
+        read(cursor)?;
+    }
+    match cursor.ident().map(ToString::to_string) {
+        Some(word) if words.contains(&word.as_str()) => {
+            let message = format!("a comma is missing before {}", cursor.describe());
+            Err(cursor.said().syntax(cursor.place(), message))
+        }
+        _ => Ok(()),
+    }
 }
 
 impl Parts {
@@ -279,18 +286,13 @@ pub(super) fn dry_friction(
         return Err(cursor.unexpected(wanted));
     }
     let name = name(cursor, "the name of the friction")?;
-    match dry_parts(cursor, &name) {
-        Ok([bound, sliding]) => Ok(Statement::Dry {
-            documentation,
-            name,
-            bound,
-            sliding,
-        }),
-        Err(Reported) => {
-            cursor.said().poison(&name.text);
-            Err(Reported)
-        }
-    }
+    let [bound, sliding] = said_of(&name, cursor, |cursor| dry_parts(cursor, &name))?;
+    Ok(Statement::Dry {
+        documentation,
+        name,
+        bound,
+        sliding,
+    })
 }
 
 /// Bound and sliding velocity.
@@ -300,7 +302,7 @@ fn dry_parts(cursor: &mut Cursor, name: &Name) -> Checked<[Expr; 2]> {
         return Err(cursor.unexpected(wanted));
     }
     let (mut bound, mut sliding) = (None, None);
-    loop {
+    each_part(cursor, &words::DRY_PARTS, |cursor| {
         let place = cursor.place();
         let Some(word) = cursor.eat_name() else {
             return Err(cursor.unexpected("`bound` or `sliding`"));
@@ -321,17 +323,8 @@ fn dry_parts(cursor: &mut Cursor, name: &Name) -> Checked<[Expr; 2]> {
             let message = format!("`{}` stands twice in one dry friction; keep one", word.text);
             return Err(cursor.said().report("E20", place, message));
         }
-        if cursor.eat_symbol(",") {
-            continue;
-        }
-        let part =
-            |ident: &proc_macro2::Ident| words::DRY_PARTS.contains(&ident.to_string().as_str());
-        if cursor.ident().is_some_and(part) {
-            let message = format!("a comma is missing before {}", cursor.describe());
-            return Err(cursor.said().syntax(cursor.place(), message));
-        }
-        break;
-    }
+        Ok(())
+    })?;
     match (bound, sliding) {
         (Some((_, bound)), Some((_, sliding))) => Ok([bound, sliding]),
         (None, _) => {

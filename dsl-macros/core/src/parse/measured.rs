@@ -2,7 +2,7 @@
 
 use super::cursor::Cursor;
 use super::expression::expression;
-use super::pieces::{block, entries, name, target};
+use super::pieces::{assignments, block, entries, name, target};
 use crate::ast::{Assignment, Documentation, Measured, MeasuredQuantity, Name, Statement};
 use crate::diagnostics::Checked;
 use proc_macro2::TokenTree;
@@ -20,14 +20,8 @@ enum Entry {
     Start(Vec<Assignment>),
 }
 
-/// Reads start values behind their word.
-type Assignments = fn(&mut Cursor, &Name) -> Checked<Vec<Assignment>>;
-
 /// Parses what stands behind the word `measured`.
-pub(super) fn measured(
-    cursor: &mut Cursor,
-    (documentation, assignments): (Documentation, Assignments),
-) -> Checked<Statement> {
+pub(super) fn measured(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
     let name = name(cursor, "the name of the experiment")?;
     let file = file(cursor, &name)?;
     let inner = block(cursor, &name)?;

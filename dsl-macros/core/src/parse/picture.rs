@@ -1,7 +1,7 @@
 //! `picture { ... }`: what is drawn, one shape an entry.
 
 use super::cursor::Cursor;
-use super::expression::{expression, expression_before};
+use super::expression::{expression, expression_in_picture};
 use super::pieces;
 use super::pieces::{block, entries, name, range};
 use crate::ast::{Expr, Form, Kind, Name, Shape, Statement};
@@ -52,7 +52,7 @@ fn shape(cursor: &mut Cursor) -> Checked<Shape> {
 }
 
 fn end(cursor: &mut Cursor) -> Checked<Expr> {
-    expression_before(&words::PICTURE, cursor)
+    expression_in_picture(cursor)
 }
 
 /// A body, with its properties in any order.
@@ -82,7 +82,7 @@ fn body(cursor: &mut Cursor, kind: &Name) -> Checked<Shape> {
             corners = Some(corner_list(cursor)?);
             continue;
         }
-        let value = expression_before(&words::PICTURE, cursor)?;
+        let value = expression_in_picture(cursor)?;
         let slot = match word.as_str() {
             "at" => &mut at,
             "angle" => &mut angle,
@@ -159,7 +159,7 @@ fn curve(cursor: &mut Cursor) -> Checked<Shape> {
         let expected = "`:` after the curve's name, as in `curve track: (w, h(w)) over w`";
         return Err(cursor.unexpected(expected));
     }
-    let points = expression_before(&words::PICTURE, cursor)?;
+    let points = expression_in_picture(cursor)?;
     if !cursor.eat_word("over") {
         let expected = "`over` and the number that runs along the curve, as in `(w, h(w)) over w`";
         return Err(cursor.unexpected(expected));

@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::slips;
-use crate::ast::{Expr, Name};
+use crate::ast::{Assignment, Expr, Name};
 use crate::diagnostics::{Checked, Reported};
 use crate::words;
 use proc_macro2::{Delimiter, TokenTree};
@@ -27,6 +27,29 @@ pub(super) fn name(cursor: &mut Cursor, what: &str) -> Checked<Name> {
         Some(name) => Ok(name),
         None => Err(cursor.unexpected(what)),
     }
+}
+
+/// The name in front of a colon; `message` says how it is written.
+pub(super) fn named(cursor: &mut Cursor, message: &str) -> Checked<Name> {
+    let begin = cursor.place();
+    let named = cursor.ident().is_some().then(|| name(cursor, "a name"));
+    match named.transpose()?.filter(|_| cursor.eat_symbol(":")) {
+        Some(name) => Ok(name),
+        None => Err(cursor.said().syntax(begin, message)),
+    }
+}
+
+/// What is said of a name; where that fails, the name is known all the same.
+pub(super) fn said_of<T>(
+    name: &Name,
+    cursor: &mut Cursor,
+    said: impl FnOnce(&mut Cursor) -> Checked<T>,
+) -> Checked<T> {
+    let said = said(cursor);
+    if said.is_err() {
+        cursor.said().poison(&name.text);
+    }
+    said
 }
 
 /// The sign `=`.
@@ -81,6 +104,31 @@ pub(super) fn entries<T>(
         inner.eat_symbol(",");
     }
     found
+}
+
+/// A target and its value behind a sign, `:` or `=`.
+pub(super) fn assignment(cursor: &mut Cursor, sign: &str) -> Checked<Assignment> {
+    let (target, velocity) = target(cursor)?;
+    if !cursor.eat_symbol(sign) {
+        let wanted = match (sign, velocity) {
+            (":", _) => "`:`".to_owned(),
+            (_, true) => format!("`{sign}`, as in `dot({}) {sign} 1`", target.text),
+            (_, false) => format!("`{sign}`, as in `{} {sign} 1`", target.text),
+        };
+        return Err(cursor.unexpected(&wanted));
+    }
+    let value = expression(cursor)?;
+    Ok(Assignment {
+        target,
+        velocity,
+        value,
+    })
+}
+
+/// A block of values behind colons.
+pub(super) fn assignments(cursor: &mut Cursor, word: &Name) -> Checked<Vec<Assignment>> {
+    let inner = block(cursor, word)?;
+    Ok(entries(inner, |cursor| assignment(cursor, ":")))
 }
 
 /// Bounds of a quantity, if it has any.

@@ -2,7 +2,7 @@
 
 use super::cursor::Cursor;
 use super::expression::expression;
-use super::pieces::{entries, name};
+use super::pieces::{entries, name, said_of};
 use super::unit;
 use crate::ast::{Expr, Kind, Name, Statement, WrittenUnit};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
@@ -19,15 +19,15 @@ const EXAMPLE: &str = "profile track(s: m): m { (0, 0), (0.5, 0.1), (1, 0.3) }";
 /// Parses what stands behind the word `profile`. It is a function whose body knows the points.
 pub(super) fn profile(cursor: &mut Cursor) -> Checked<Statement> {
     let name = name(cursor, "the name of the profile")?;
-    let text = name.text.clone();
-    let statement = after_name(cursor, name);
-    if statement.is_err() {
-        cursor.said().poison(&text);
-    }
-    statement
+    let (arguments, body) = said_of(&name, cursor, |cursor| after_name(cursor, &name))?;
+    Ok(Statement::Function {
+        name,
+        arguments,
+        body,
+    })
 }
 
-fn after_name(cursor: &mut Cursor, function: Name) -> Checked<Statement> {
+fn after_name(cursor: &mut Cursor, function: &Name) -> Checked<(Vec<Name>, Expr)> {
     let Some(group) = cursor.eat_group(Delimiter::Parenthesis) else {
         let wanted = format!("`(` and the argument, as in `{EXAMPLE}`");
         return Err(cursor.unexpected(&wanted));
@@ -67,7 +67,7 @@ fn after_name(cursor: &mut Cursor, function: Name) -> Checked<Statement> {
     if cursor.said().mistakes() > before {
         return Err(Reported);
     }
-    in_order(&function, place, &points, &mut cursor.said())?;
+    in_order(function, place, &points, &mut cursor.said())?;
     let points = points.into_iter().map(|(point, _)| point).collect();
     let body = Expr {
         kind: Kind::Profile {
@@ -80,11 +80,7 @@ fn after_name(cursor: &mut Cursor, function: Name) -> Checked<Statement> {
         depth: 1,
         parenthesized: false,
     };
-    Ok(Statement::Function {
-        name: function,
-        arguments: vec![argument],
-        body,
-    })
+    Ok((vec![argument], body))
 }
 
 fn colon_and_unit(cursor: &mut Cursor) -> Checked<Option<WrittenUnit>> {

@@ -240,12 +240,12 @@ pub(super) fn is_equation_of_motion(cursor: &Cursor) -> bool {
 pub(super) const EQUATIONS_FOLLOW: &str = "equations of motion are not written, they follow from the `lagrangian`, which is \
      kinetic minus potential energy; what acts besides stands in `forces { x: ... }`";
 
-/// Two factors without an operator between them: whether the expression `left` ends at the cursor, which may stand before the words
-/// `ends`. `list` tells whether a comma may be meant, `compared` whether a comparison stands on the left.
+/// Two factors without an operator between them: whether the expression `left` ends at the cursor, which may stand before words of a
+/// picture if it is `pictured`. `list` tells whether a comma may be meant, `compared` whether a comparison stands on the left.
 pub(super) fn no_factor(
     cursor: &Cursor,
     (left, list): (&Expr, bool),
-    (compared, ends): (bool, &[&str]),
+    (compared, pictured): (bool, bool),
 ) -> Checked<()> {
     let right = match cursor.peek() {
         _ if cursor.at_invisible_group(0) => "...".to_owned(),
@@ -258,7 +258,7 @@ pub(super) fn no_factor(
         }
         Some(TokenTree::Ident(ident)) => {
             let text = ident.to_string();
-            if words::is_keyword(&text) || text == "in" || ends.contains(&text.as_str()) {
+            if words::is_keyword(&text) || text == "in" || pictured && words::is_of_picture(&text) {
                 return Ok(());
             }
             if let Some(entry) = next_entry(cursor, compared) {

@@ -4,9 +4,9 @@
 use super::cursor::Cursor;
 use super::documentation::documentation;
 use super::expression::expression;
-use super::pieces::{Bounds, block, entries, equals, name, range, target};
+use super::pieces::{Bounds, assignments, block, entries, equals, name, range, said_of};
 use super::{control, joint, law, measured, picture, profile, slips, unit};
-use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
+use crate::ast::{Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
 use crate::words;
 use proc_macro2::{Delimiter, TokenTree};
@@ -71,14 +71,11 @@ fn abbreviation(cursor: &mut Cursor) -> Checked<Statement> {
         true => unit::declared(cursor).unwrap_or(None),
         false => None,
     };
-    let value = equals(cursor).and_then(|()| expression(cursor));
-    match value {
-        Ok(value) => Ok(Statement::Let { name, unit, value }),
-        Err(Reported) => {
-            cursor.said().poison(&name.text);
-            Err(Reported)
-        }
-    }
+    let value = said_of(&name, cursor, |cursor| {
+        equals(cursor)?;
+        expression(cursor)
+    })?;
+    Ok(Statement::Let { name, unit, value })
 }
 
 fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
@@ -131,7 +128,7 @@ fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<State
             control::free_parameter(cursor, quantity, documentation)
         }
         "free" => control::free(cursor, &word),
-        "measured" => measured::measured(cursor, (documentation, assignments)),
+        "measured" => measured::measured(cursor, documentation),
         "outputs" => Ok(Statement::Outputs(quantities(cursor, &word)?)),
         "picture" => picture::picture(cursor, &word),
         _ => Err(unknown_statement(cursor, &word)),
@@ -210,11 +207,7 @@ fn quantity(cursor: &mut Cursor) -> Checked<Quantity> {
     } else {
         unit::in_brackets(cursor, &name)
     };
-    let rest = bounds_and_value(cursor);
-    let Ok((bounds, value)) = rest else {
-        cursor.said().poison(&name.text);
-        return Err(Reported);
-    };
+    let (bounds, value) = said_of(&name, cursor, bounds_and_value)?;
     Ok(Quantity {
         documentation,
         name,
@@ -239,33 +232,20 @@ fn bounds_and_value(cursor: &mut Cursor) -> Checked<(Bounds, Option<Expr>)> {
     Ok((bounds, value))
 }
 
-fn assignments(cursor: &mut Cursor, word: &Name) -> Checked<Vec<Assignment>> {
-    let inner = block(cursor, word)?;
-    Ok(entries(inner, |cursor| {
-        let (target, velocity) = target(cursor)?;
-        if !cursor.eat_symbol(":") {
-            return Err(cursor.unexpected("`:`"));
-        }
-        let value = expression(cursor)?;
-        Ok(Assignment {
-            target,
-            velocity,
-            value,
-        })
-    }))
-}
-
 fn function(cursor: &mut Cursor) -> Checked<Statement> {
-    let function = name(cursor, "the name of the function")?;
-    let text = function.text.clone();
-    let statement = function_after_name(cursor, function);
-    if statement.is_err() {
-        cursor.said().poison(&text);
-    }
-    statement
+    let name = name(cursor, "the name of the function")?;
+    let said = said_of(&name, cursor, |cursor| {
+        arguments_and_body(cursor, &name.text)
+    });
+    let (arguments, body) = said?;
+    Ok(Statement::Function {
+        name,
+        arguments,
+        body,
+    })
 }
 
-fn function_after_name(cursor: &mut Cursor, function: Name) -> Checked<Statement> {
+fn arguments_and_body(cursor: &mut Cursor, function: &str) -> Checked<(Vec<Name>, Expr)> {
     let Some(group) = cursor.eat_group(Delimiter::Parenthesis) else {
         return Err(cursor.unexpected("`(` and the arguments"));
     };
@@ -279,36 +259,28 @@ fn function_after_name(cursor: &mut Cursor, function: Name) -> Checked<Statement
     if arguments.is_empty() {
         return Err(cursor.said().syntax(
             Place::at(group.span_open()),
-            format!(
-                "function `{}` has no argument; write `let {} = ...` instead",
-                function.text, function.text
-            ),
+            format!("function `{function}` has no argument; write `let {function} = ...` instead"),
         ));
     }
     equals(cursor)?;
-    let body = expression(cursor)?;
-    Ok(Statement::Function {
-        name: function,
-        arguments,
-        body,
-    })
+    Ok((arguments, expression(cursor)?))
 }
 
 fn surface(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
     let name = name(cursor, "the name of the surface")?;
-    let text = name.text.clone();
-    let statement = surface_after_name(cursor, documentation, name);
-    if statement.is_err() {
-        cursor.said().poison(&text);
-    }
-    statement
+    let sides = said_of(&name, cursor, |cursor| sides(cursor, &name.text));
+    let (left, relation, right) = sides?;
+    Ok(Statement::Surface {
+        documentation,
+        name,
+        left,
+        relation,
+        right,
+    })
 }
 
-fn surface_after_name(
-    cursor: &mut Cursor,
-    documentation: Documentation,
-    name: Name,
-) -> Checked<Statement> {
+/// Both sides of a surface, and how they compare.
+fn sides(cursor: &mut Cursor, surface: &str) -> Checked<(Expr, Relation, Expr)> {
     if !cursor.eat_symbol(":") {
         return Err(
             cursor.unexpected("`:` after the surface's name, as in `surface ground: z >= 0`")
@@ -336,20 +308,13 @@ fn surface_after_name(
     }
     if another_one_follows(cursor) {
         let message = format!(
-            "a surface is one inequality; declare one more for what follows, as in `surface {0}_2: ...`, and name both in \
-             the law, as in `impact {0}, {0}_2: inelastic`",
-            name.text
+            "a surface is one inequality; declare one more for what follows, as in `surface {surface}_2: ...`, and name both in \
+             the law, as in `impact {surface}, {surface}_2: inelastic`"
         );
         cursor.said().syntax(cursor.place(), message);
         skip_to_statement(cursor);
     }
-    Ok(Statement::Surface {
-        documentation,
-        name,
-        left,
-        relation,
-        right,
-    })
+    Ok((left, relation, right))
 }
 
 /// A quantity between its bounds, `lower <= name <= upper`: the name, both bounds, and what to write; the cursor moves

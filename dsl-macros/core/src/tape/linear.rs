@@ -1,6 +1,6 @@
 //! Sums and products of many parts to operations on two.
 
-use super::code::{Leaf, Op, Tape};
+use super::code::{Op, Tape};
 use super::nary::Nary;
 use crate::graph::Table;
 
@@ -63,10 +63,16 @@ impl Linear<'_> {
 
     /// Goes on with a node: `part` is the value of the part that was asked for last.
     fn step(&mut self, node: &Nary, visit: &mut Visit, part: Option<u32>) -> Step {
-        let known = |known: &mut Vec<u32>| known.extend(part);
         match node {
-            Nary::Load(variable) => Step::Is(self.push(Op::Given(Leaf::Variable(*variable)))),
-            Nary::Constant(bits) => Step::Is(self.push(Op::Given(Leaf::Constant(*bits)))),
+            Nary::One(op) => {
+                visit.parts.extend(part);
+                let Some(next) = op.operands().nth(visit.parts.len()) else {
+                    let own = |part| op.operands().position(|operand| operand == part);
+                    let known = |part| own(part).map_or(part, |place| visit.parts[place]);
+                    return Step::Is(self.push(op.with_operands(known)));
+                };
+                Step::Into(next)
+            }
             Nary::Sum(items) => self.add_up(items, visit, part),
             Nary::Product(factors) => {
                 if let Some(factor) = part {
@@ -79,34 +85,6 @@ impl Linear<'_> {
                 match (factors.get(visit.next), visit.total) {
                     (Some(&factor), _) => Step::Into(factor),
                     (None, total) => Step::Is(total.unwrap_or_default()),
-                }
-            }
-            Nary::Divide(above, below) => {
-                known(&mut visit.parts);
-                match *visit.parts {
-                    [] => Step::Into(*above),
-                    [_] => Step::Into(*below),
-                    [above, below, ..] => Step::Is(self.push(Op::Divide(above, below))),
-                }
-            }
-            Nary::Negate(inner) => match part {
-                Some(inner) => Step::Is(self.push(Op::Negate(inner))),
-                None => Step::Into(*inner),
-            },
-            Nary::Root(inner) => match part {
-                Some(inner) => Step::Is(self.push(Op::Root(inner))),
-                None => Step::Into(*inner),
-            },
-            Nary::Call(function, argument) => match part {
-                Some(argument) => Step::Is(self.push(Op::Call(*function, argument))),
-                None => Step::Into(*argument),
-            },
-            Nary::Call2(function, first, second) => {
-                known(&mut visit.parts);
-                match *visit.parts {
-                    [] => Step::Into(*first),
-                    [_] => Step::Into(*second),
-                    [first, second, ..] => Step::Is(self.push(Op::Call2(*function, first, second))),
                 }
             }
         }
@@ -149,7 +127,7 @@ struct Visit {
     next: usize,
     /// Sum or product of the parts so far.
     total: Option<u32>,
-    /// Values of the parts, of nodes with two different ones.
+    /// Values of the operands so far.
     parts: Vec<u32>,
 }
 

@@ -1,5 +1,6 @@
 //! Graph to sums and products of any number of parts: coefficients and common factors taken out.
 
+use super::code::{Leaf, Op};
 use super::nary::Nary;
 use crate::graph::{self, Node, Sym, Table};
 use std::collections::hash_map::Entry;
@@ -75,6 +76,10 @@ impl Lowering {
         position
     }
 
+    fn one(&mut self, op: Op) -> u32 {
+        self.push(Nary::One(op))
+    }
+
     fn multiply(&mut self, mut factors: Vec<u32>) -> u32 {
         match factors.as_slice() {
             [] => self.constant(1.0),
@@ -87,7 +92,7 @@ impl Lowering {
     }
 
     fn constant(&mut self, value: f64) -> u32 {
-        self.push(Nary::Constant(value.to_bits()))
+        self.one(Op::Given(Leaf::Constant(value.to_bits())))
     }
 
     fn lower(&mut self, sym: Sym) -> u32 {
@@ -98,8 +103,8 @@ impl Lowering {
             return self.constant(0.0);
         }
         let position = match sym.node() {
-            Node::Number(bits) => self.push(Nary::Constant(bits)),
-            Node::Variable(variable) => self.push(Nary::Load(variable)),
+            Node::Number(bits) => self.one(Op::Given(Leaf::Constant(bits))),
+            Node::Variable(variable) => self.one(Op::Given(Leaf::Variable(variable))),
             Node::Sum(terms) => {
                 let terms: Vec<(Sym, f64)> = terms
                     .iter()
@@ -111,11 +116,11 @@ impl Lowering {
             Node::Kept(inner) => self.lower(inner),
             Node::Call(function, argument) => {
                 let argument = self.lower(argument);
-                self.push(Nary::Call(function, argument))
+                self.one(Op::Call(function, argument))
             }
             Node::Call2(function, first, second) => {
                 let (first, second) = (self.lower(first), self.lower(second));
-                self.push(Nary::Call2(function, first, second))
+                self.one(Op::Call2(function, first, second))
             }
         };
         self.done.insert(sym, position);
@@ -126,7 +131,7 @@ impl Lowering {
         if terms.len() > 1
             && let Some(&opposite) = self.done.get(&-whole)
         {
-            return self.push(Nary::Negate(opposite));
+            return self.one(Op::Negate(opposite));
         }
         let items = self.items(terms);
         self.add_up(items)
@@ -241,7 +246,7 @@ impl Lowering {
                 item.1 = false;
             }
             let inner = self.add_up(items);
-            return self.push(Nary::Negate(inner));
+            return self.one(Op::Negate(inner));
         }
         if let [(only, false)] = items.as_slice() {
             return *only;
@@ -264,9 +269,9 @@ impl Lowering {
                 }
                 if halves % 2 != 0 {
                     let root = self.lower(base);
-                    let root = self.push(Nary::Root(root));
+                    let root = self.one(Op::Root(root));
                     let one = self.constant(1.0);
-                    above.push(self.push(Nary::Divide(one, root)));
+                    above.push(self.one(Op::Divide(one, root)));
                 }
             } else {
                 self.power(base, -halves, &mut below);
@@ -277,13 +282,13 @@ impl Lowering {
             return above;
         }
         let below = self.multiply(below);
-        self.push(Nary::Divide(above, below))
+        self.one(Op::Divide(above, below))
     }
 
     fn inverse(&mut self, base: Sym) -> u32 {
         let base = self.lower(base);
         let one = self.constant(1.0);
-        self.push(Nary::Divide(one, base))
+        self.one(Op::Divide(one, base))
     }
 
     /// Factors of `base` to a positive power counted in halves.
@@ -294,7 +299,7 @@ impl Lowering {
             factors.push(self.repeated(value, whole));
         }
         if halves % 2 != 0 {
-            factors.push(self.push(Nary::Root(value)));
+            factors.push(self.one(Op::Root(value)));
         }
     }
 

@@ -209,12 +209,14 @@ fn replace(node: &mut Nary, pair: Pair, shared: u32, turned: bool) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::code::{Leaf, Op};
     use super::*;
 
     #[test]
     fn pairs_are_computed_once() {
         // a*b*c, b*c*d, and a - b + c, b - a + d: (b c) and (a - b) are shared.
-        let load = |i| Nary::Load(crate::graph::Variable::Coordinate(i));
+        let coordinate = |i| Leaf::Variable(crate::graph::Variable::Coordinate(i));
+        let load = |i| Nary::One(Op::Given(coordinate(i)));
         let nodes = vec![
             load(0),
             load(1),
