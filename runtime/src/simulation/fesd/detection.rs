@@ -70,7 +70,7 @@ impl<'a> Detector<'a> {
         motion: Option<&MotionSize>,
     ) -> Result<Option<Switch>, Stop> {
         let of_coordinates = motion.map_or(0.0, |motion| element.position_rounding(motion));
-        let starts = starts(now, of_coordinates);
+        let starts = starts(now, of_coordinates, element.length());
         let mut solved = Solved {
             element,
             tableau,
@@ -173,7 +173,7 @@ enum From {
 }
 
 /// The switching functions of the mode at the present state, where rounding of coordinates leaves this error in those that are gaps.
-fn starts(now: &mut Present<'_>, of_coordinates: f64) -> Vec<Start> {
+fn starts(now: &mut Present<'_>, of_coordinates: f64, length: f64) -> Vec<Start> {
     let functions = Function::of_mode(now);
     let contacts = functions.iter().map(|function| function.contact);
     now.contacts.evaluate_contacts(&now.x, contacts);
@@ -189,7 +189,9 @@ fn starts(now: &mut Present<'_>, of_coordinates: f64) -> Vec<Start> {
                 > -FORCE_TOLERANCE * now.contacts.tangential_scale(i)
         };
         let value = function.at_present(now);
-        let size = size.with_error(steepness * of_coordinates);
+        // Where its terms have vanished, those that the accelerations of the element add to it are left.
+        let own = f64::EPSILON * now.contacts.phi_scale(i) * length * length;
+        let size = size.with_error(steepness * of_coordinates + own);
         let zeros = function.zeros(&now.contacts, size);
         Start {
             function,
@@ -321,7 +323,7 @@ impl Solved<'_, '_> {
         let from_above = bounced && start.value >= -size.touching_gap();
         let end = self.value(function, until);
         let falls = end < -size.gap_rounding();
-        let told = if falls && bounced || end < -depth {
+        let told = if bounced || end < -depth {
             0.5 * size.gap_rounding()
         } else {
             size.touching_gap()

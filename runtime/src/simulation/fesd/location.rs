@@ -4,12 +4,13 @@ use super::driver::Driver;
 use super::stop::Stop;
 use super::switch::{Function, Switch, SwitchKind};
 use crate::contact::ActiveContact;
-use crate::enclosure::{Bracket, refine};
 use crate::fesd::finite_element::newton;
 use crate::simulation::along::{LEAPS, LEAST_LEAP};
 
 /// Size of a force that changes its sign, relative to its terms, above which it does so through infinity.
 const POLE: f64 = 1e-3;
+/// Evaluations of the switch condition that locate one switch.
+const MAX_LOCATIONS: usize = 60;
 
 /// Finds the common length of `count` elements at whose end the switch condition holds, and makes
 /// them part of the trajectory. Another contact that turns out to switch earlier takes over.
@@ -118,52 +119,90 @@ fn earlier_violation(driver: &Driver<'_>, located: Switch) -> Option<Switch> {
     })
 }
 
-/// Solves elements of the common length at whose end the switching function vanishes, to the resolution of time.
+/// Newton's method with secant slopes on the common element length, kept inside a bracket.
 fn locate_one(
     driver: &mut Driver<'_>,
     switch: Switch,
     longest: f64,
     count: usize,
 ) -> Result<(), Stop> {
-    let (begin, function) = (driver.start.state.time, switch.function);
+    let begin = driver.start.state.time;
     let length_at = |theta: f64| ((count - 1) as f64 + theta) * longest / count as f64;
-    let bracket = Bracket {
-        low: 0.0,
-        // A little room beyond the violated place, which the dense output of another element named.
-        high: length_at(switch.violated) + 0.01 * longest,
-        guess: length_at(switch.theta),
-        slope: switch.slope * count as f64,
-    };
-    // What the switch is told apart by is its own time: an element may be far longer than the flight that ends in it.
-    let resolution = 2.0 * f64::EPSILON * begin.max(bracket.guess * count as f64);
-    let most = most_left(driver, function, longest);
-    let value = |length| switch_condition(driver, function, length, count);
-    let (length, value) = refine(value, bracket, (most, resolution))?;
-    if value.abs() <= most {
-        return Ok(());
+    // A little room beyond the violated place, which the dense output of another element named.
+    let (mut before, mut after) = (0.0, length_at(switch.violated) + 0.01 * longest);
+    let mut length = length_at(switch.theta);
+    let mut slope = switch.slope * count as f64;
+    let mut previous: Option<(f64, f64)> = None;
+    let mut largest = driver.now.gaps[switch.function.contact].abs();
+    let mut passed = false;
+    for _ in 0..MAX_LOCATIONS {
+        let value = switch_condition(driver, switch.function, length, count)?;
+        if previous.is_none() {
+            largest = largest.max(value.abs());
+        }
+        if let Some((earlier, earlier_value)) = previous {
+            let secant = (value - earlier_value) / (length - earlier);
+            if secant.is_finite() && secant != 0.0 {
+                slope = secant;
+            }
+        }
+        previous = Some((length, value));
+        passed |= value <= 0.0;
+        if value > 0.0 {
+            before = length;
+        } else {
+            after = length;
+        }
+        let step = value / slope;
+        // What the switch is told apart by is its own time: an element may be far longer than the flight that ends in it.
+        let tolerance = 2.0 * f64::EPSILON * begin.max(length * count as f64);
+        let closed = after - before <= tolerance;
+        if value == 0.0 || step.abs() <= tolerance || closed {
+            if !leaps(driver, switch.function, (value, largest), longest) {
+                return Ok(());
+            }
+            match switch.function.kind {
+                // Beside a pole steps are short on its one side too: whether there is another one, halves tell.
+                SwitchKind::Entry if !passed && !closed => {
+                    length = 0.5 * (before + after);
+                    continue;
+                }
+                SwitchKind::Entry if passed => {
+                    let time = begin + length * count as f64;
+                    return Err(Stop::Leap(switch.function.contact, time));
+                }
+                // A dip that elements of other lengths do not have was an error of one.
+                _ => return Err(Stop::Location),
+            }
+        }
+        length -= step;
+        if !(before < length && length < after) {
+            length = 0.5 * (before + after);
+        }
     }
-    if function.kind == SwitchKind::Entry && value < 0.0 {
-        let time = begin + length * count as f64;
-        return Err(Stop::Leap(function.contact, time));
-    }
-    // A dip that elements of other lengths do not have was an error of one.
     Err(Stop::Location)
 }
 
-/// The most that a switching function may leave of itself at its zero; more is left where it changes its sign by a leap.
-fn most_left(driver: &Driver<'_>, function: Function, longest: f64) -> f64 {
+/// Whether the function of a switch, of which its place has left this `value`, has changed its sign without passing zero; before it was
+/// as large as `largest`.
+fn leaps(
+    driver: &Driver<'_>,
+    function: Function,
+    (value, largest): (f64, f64),
+    longest: f64,
+) -> bool {
     match function.kind {
         SwitchKind::Exit | SwitchKind::Slipping => {
-            POLE * driver.now.contacts.phi_scale(function.contact)
+            value.abs() > POLE * driver.now.contacts.phi_scale(function.contact)
         }
         // Of schemes whose last stage is not the end of an element gaps jump there by themselves.
         SwitchKind::Entry if driver.setup.tableau.stiffly_accurate() => {
             let least = driver.now.size(function.contact).touching_gap();
             let least = least.max(LEAST_LEAP * extent(&driver.now.x, longest));
-            least.max(LEAPS * driver.now.gaps[function.contact].abs())
+            value.abs() > least.max(LEAPS * largest)
         }
         // After a release the condition is a velocity, which may jump.
-        SwitchKind::Entry | SwitchKind::Reentry | SwitchKind::Stopping => f64::INFINITY,
+        SwitchKind::Entry | SwitchKind::Reentry | SwitchKind::Stopping => false,
     }
 }
 
