@@ -218,7 +218,7 @@ impl Solved<'_, '_> {
         &self.x
     }
 
-    /// The value of a function at a place; infinite where it has none.
+    /// The value of a function at a place; infinite where it has none. A gap may have a pole, on whose sides its sign tells where it is.
     fn value(&mut self, function: Function, theta: f64) -> f64 {
         let active = self.element.active();
         let found = if function.is_of_forces() {
@@ -229,7 +229,9 @@ impl Solved<'_, '_> {
             function.value(self.contacts, active, &self.x)
         };
         match found {
-            Ok(value) if value.is_finite() => return value,
+            Ok(value) if value.is_finite() || !function.is_of_forces() && !value.is_nan() => {
+                return value;
+            }
             Ok(_) => self.failed.get_or_insert(ModeError::NotFinite),
             Err(error) => self.failed.get_or_insert(error),
         };

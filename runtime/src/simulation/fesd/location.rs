@@ -137,7 +137,7 @@ fn locate_one(
     let mut passed = false;
     for _ in 0..MAX_LOCATIONS {
         let value = switch_condition(driver, switch.function, length, count)?;
-        if previous.is_none() {
+        if previous.is_none() && value.is_finite() {
             largest = largest.max(value.abs());
         }
         if let Some((earlier, earlier_value)) = previous {
@@ -162,8 +162,8 @@ fn locate_one(
                 return Ok(());
             }
             match switch.function.kind {
-                // Beside a pole steps are short on its one side too: whether there is another one, halves tell.
-                SwitchKind::Entry if !passed && !closed => {
+                // Beside a pole steps are short: where it is, and whether there is another side, halves tell.
+                SwitchKind::Entry if !closed => {
                     length = 0.5 * (before + after);
                     continue;
                 }
