@@ -54,7 +54,7 @@
 //! Finite elements and the event-driven method check each other, so they share the laws and not the way to them:
 //!
 //! - integration, and the steps that end at a switch, with the memory of the equations of a mode; which function falls first on dense
-//!   output, and how a root is polished, is found for both by `enclosure`;
+//!   output is found for both by `enclosure`;
 //! - what counts as zero: sizes of terms for finite elements, ranges and moments of a motion for the event-driven method, which
 //!   follow from how each integrates and are arguments here;
 //! - the choice where accelerations decide nothing: finite elements solve the same problem one derivative higher, the event-driven
