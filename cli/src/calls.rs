@@ -4,10 +4,10 @@
 //! for number.
 
 use clap::Parser as _;
-use hangtime::model::Model;
+use hangtime::model::{Model, VariableDeclaration};
 use hangtime::ocp::Previous;
 use hangtime_scene_files::{SceneError, TextMistake};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use crate::Scene;
@@ -16,7 +16,7 @@ use crate::arguments::{Arguments, Command};
 use crate::explain;
 use crate::failure::{BadInput, did_you_mean};
 use crate::job::{Job, Run};
-use crate::json::to_line;
+use crate::json::Object;
 use crate::scene_file::{EXTENSION, entry};
 use crate::settings::ChosenScene;
 
@@ -86,135 +86,69 @@ struct Request<'a> {
     warm: bool,
 }
 
-/// What a host gets.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Answer {
-    Checked {
-        scene: Box<SceneEntry>,
-        warnings: String,
-    },
-    Mistaken {
-        mistakes: Vec<MistakeEntry>,
-        report: String,
-    },
-    Text {
-        text: String,
-    },
-    Done {
-        result: Box<RawValue>,
-        facts: Vec<[String; 2]>,
-        motion: Option<Box<RawValue>>,
-        /// Whether it started from the plan before.
-        warm: bool,
-    },
-    Refused {
-        refusal: String,
-    },
-}
-
-impl From<BadInput> for Answer {
+impl From<BadInput> for Object {
     fn from(refusal: BadInput) -> Self {
-        Self::Refused {
-            refusal: refusal.to_string(),
-        }
+        Self::default().with("refusal", refusal.to_string())
     }
 }
 
-#[derive(Serialize)]
-struct MistakeEntry {
-    code: Option<&'static str>,
-    message: String,
-    warning: bool,
-    /// First and last place in the text, in the units in which browsers count: UTF-16.
-    place: [usize; 2],
-    line: usize,
-    column: usize,
+/// A mistake, with its first and last place in the text in the units in which browsers count: UTF-16.
+fn mistake_entry(text: &str, mistake: &TextMistake) -> Object {
+    let before = |at: usize| text.get(..at).unwrap_or(text);
+    let units = |at: usize| before(at).encode_utf16().count();
+    let start = before(mistake.place.start);
+    Object::default()
+        .with("code", mistake.code)
+        .with("message", &mistake.message)
+        .with("warning", mistake.warning)
+        .with(
+            "place",
+            [units(mistake.place.start), units(mistake.place.end)],
+        )
+        .with("line", start.matches('\n').count() + 1)
+        .with(
+            "column",
+            start.chars().rev().take_while(|&c| c != '\n').count() + 1,
+        )
 }
 
-impl MistakeEntry {
-    fn new(text: &str, mistake: &TextMistake) -> Self {
-        let before = |at: usize| text.get(..at).unwrap_or(text);
-        let units = |at: usize| before(at).encode_utf16().count();
-        let start = before(mistake.place.start);
-        Self {
-            code: mistake.code,
-            message: mistake.message.clone(),
-            warning: mistake.warning,
-            place: [units(mistake.place.start), units(mistake.place.end)],
-            line: start.matches('\n').count() + 1,
-            column: start.chars().rev().take_while(|&c| c != '\n').count() + 1,
-        }
-    }
+/// What a scene declares. It is solvable where there is an objective, or are measurements to compare with.
+fn scene_entry(scene: &Scene, model: &dyn Model) -> Object {
+    let declaration = model.declaration();
+    let entry = |name: &str, unit: &str, documentation: &str| {
+        let object = Object::default().with("name", name).with("unit", unit);
+        object.with("documentation", documentation)
+    };
+    let variables = |list: &[VariableDeclaration]| -> Vec<Object> {
+        let entries = list.iter().map(|v| entry(v.name, v.unit, v.documentation));
+        entries.collect()
+    };
+    let parameters = declaration.parameters.iter().map(|p| {
+        let object = entry(p.name, p.unit, p.documentation).with("default", p.default);
+        object.with("positive", p.positive)
+    });
+    let contacts = declaration.contacts.iter();
+    let contacts = contacts.map(|c| entry(c.name, c.unit, c.documentation));
+    let equations = declaration.equations.iter();
+    let solvable = declaration.optimal_control.is_some() || !model.experiments().is_empty();
+    let coordinates = &declaration.coordinates[..declaration.mechanical()];
+    Object::default()
+        .with("name", scene.name)
+        .with("title", scene.title)
+        .with("parameters", parameters.collect::<Vec<_>>())
+        .with("coordinates", variables(coordinates))
+        .with("states", variables(declaration.states))
+        .with("controls", variables(declaration.controls))
+        .with("contacts", contacts.collect::<Vec<_>>())
+        .with("solvable", solvable)
+        .with(
+            "equations",
+            equations.map(|e| [e.left, e.right]).collect::<Vec<_>>(),
+        )
 }
 
-#[derive(Serialize)]
-struct SceneEntry {
-    name: &'static str,
-    title: &'static str,
-    parameters: Vec<NumberEntry>,
-    coordinates: Vec<NameEntry>,
-    states: Vec<NameEntry>,
-    controls: Vec<NameEntry>,
-    contacts: Vec<NameEntry>,
-    /// Whether there is something to solve: an objective, or measurements to compare with.
-    solvable: bool,
-    equations: Vec<[&'static str; 2]>,
-}
-
-#[derive(Serialize)]
-struct NumberEntry {
-    #[serde(flatten)]
-    name: NameEntry,
-    default: f64,
-    positive: bool,
-}
-
-#[derive(Serialize)]
-struct NameEntry {
-    name: &'static str,
-    unit: &'static str,
-    documentation: &'static str,
-}
-
-impl SceneEntry {
-    fn new(scene: &Scene, model: &dyn Model) -> Self {
-        let declaration = model.declaration();
-        let variables = |list: &[hangtime::model::VariableDeclaration]| {
-            let entries = list.iter().map(|v| NameEntry {
-                name: v.name,
-                unit: v.unit,
-                documentation: v.documentation,
-            });
-            entries.collect()
-        };
-        let parameters = declaration.parameters.iter().map(|p| NumberEntry {
-            name: NameEntry {
-                name: p.name,
-                unit: p.unit,
-                documentation: p.documentation,
-            },
-            default: p.default,
-            positive: p.positive,
-        });
-        let contacts = declaration.contacts.iter().map(|c| NameEntry {
-            name: c.name,
-            unit: c.unit,
-            documentation: c.documentation,
-        });
-        let equations = declaration.equations.iter();
-        Self {
-            name: scene.name,
-            title: scene.title,
-            parameters: parameters.collect(),
-            coordinates: variables(&declaration.coordinates[..declaration.mechanical()]),
-            states: variables(declaration.states),
-            controls: variables(declaration.controls),
-            contacts: contacts.collect(),
-            solvable: declaration.optimal_control.is_some() || !model.experiments().is_empty(),
-            equations: equations.map(|e| [e.left, e.right]).collect(),
-        }
-    }
+fn text_entry(text: &str) -> Object {
+    Object::default().with("text", text)
 }
 
 impl Calls {
@@ -232,7 +166,7 @@ impl Calls {
             ))
             .into()),
         };
-        let mut line = to_line(&answer.unwrap_or_else(|refused| refused));
+        let mut line = answer.unwrap_or_else(|refused| refused).text();
         line.pop();
         line
     }
@@ -241,7 +175,7 @@ impl Calls {
         &mut self,
         request: &Request<'_>,
         progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
-    ) -> Result<Answer, Answer> {
+    ) -> Result<Object, Object> {
         if !CALLS.contains(&request.call) {
             return Err(BadInput::new(format!(
                 "there is no call `{}`{} (calls: {})",
@@ -258,7 +192,7 @@ impl Calls {
             let file = format!("{}.{EXTENSION}", request.name);
             let formatted = hangtime_scene_files::format_text(&file, &request.text);
             let text = formatted.map_err(|error| refusal(&request.text, error))?;
-            return Ok(Answer::Text { text });
+            return Ok(text_entry(&text));
         }
         let scene = self.scene(request)?;
         let file = format!("scene.{EXTENSION}");
@@ -286,14 +220,12 @@ impl Calls {
             Some(Command::Explain(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
                 let text = explain::answer(&chosen, &arguments);
-                Ok(Answer::Text { text })
+                Ok(text_entry(&text))
             }
             _ => {
                 let text = scene.text.ok_or_else(|| BadInput::new("no scene"))?;
-                Ok(Answer::Checked {
-                    scene: Box::new(SceneEntry::new(scene, text)),
-                    warnings: text.warnings().to_owned(),
-                })
+                let checked = Object::default().with("scene", scene_entry(scene, text));
+                Ok(checked.with("warnings", text.warnings()))
             }
         }
     }
@@ -305,7 +237,7 @@ impl Calls {
     }
 
     /// The scene of a request.
-    fn scene(&mut self, request: &Request<'_>) -> Result<&'static Scene, Answer> {
+    fn scene(&mut self, request: &Request<'_>) -> Result<&'static Scene, Object> {
         let (name, text) = (&request.name, &request.text);
         if let Some(known) = &self.last
             && known.name == *name
@@ -327,11 +259,9 @@ impl Calls {
 }
 
 /// The page about a mistake.
-fn mistake_page(code: &str) -> Result<Answer, Answer> {
+fn mistake_page(code: &str) -> Result<Object, Object> {
     match hangtime_dsl::explanation(code) {
-        Some(page) => Ok(Answer::Text {
-            text: page.to_owned(),
-        }),
+        Some(page) => Ok(text_entry(page)),
         None => Err(BadInput::new(format!(
             "there is no page about `{code}`{}; give a code such as E03, or `syntax`",
             did_you_mean(code, hangtime_dsl::mistake_codes())
@@ -341,15 +271,13 @@ fn mistake_page(code: &str) -> Result<Answer, Answer> {
 }
 
 /// Why a text is no scene.
-fn refusal(text: &str, error: SceneError) -> Answer {
+fn refusal(text: &str, error: SceneError) -> Object {
     match error {
         SceneError::Mistakes { mistakes, report } => {
             let mistakes = mistakes.iter();
-            let mistakes = mistakes.map(|mistake| MistakeEntry::new(text, mistake));
-            Answer::Mistaken {
-                mistakes: mistakes.collect(),
-                report,
-            }
+            let mistakes = mistakes.map(|mistake| mistake_entry(text, mistake));
+            let mistaken = Object::default().with("mistakes", mistakes.collect::<Vec<_>>());
+            mistaken.with("report", report)
         }
         other => BadInput::new(other.to_string()).into(),
     }
@@ -360,7 +288,7 @@ fn done(
     job: Job,
     warm: bool,
     progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
-) -> Result<(Answer, Run), BadInput> {
+) -> Result<(Object, Run), BadInput> {
     let mut next = PATIENCE;
     let mut told = job.teller();
     let run = job.run(&mut |now| {
@@ -371,15 +299,14 @@ fn done(
         None
     })?;
     let model = run.chosen().model.as_ref();
-    let answer = Answer::Done {
-        result: raw(run.json()),
-        facts: run.facts(),
-        motion: run
-            .motion()
-            .and_then(|simulation| motion(run.drawing().as_ref(), model, simulation))
-            .map(raw),
-        warm,
-    };
+    let drawn = run
+        .motion()
+        .and_then(|simulation| motion(run.drawing().as_ref(), model, simulation));
+    let answer = Object::default()
+        .with("result", raw(run.json()))
+        .with("facts", run.facts())
+        .with("motion", drawn.map(raw))
+        .with("warm", warm);
     Ok((answer, run))
 }
 

@@ -14,7 +14,7 @@ use crate::arguments::LimitArguments;
 use crate::ending::{Ending, Stop};
 use crate::failure::BadInput;
 use crate::host::{Refusal, guarded};
-use crate::json::ProgramDocument;
+use crate::json::program_document;
 use crate::program_file::{open, read, summary};
 use crate::program_options::{self, OPTIONS};
 
@@ -124,7 +124,7 @@ impl HostProgram {
     /// What `hangtime nlp` prints with `--json`, in one line.
     #[must_use]
     pub fn json(&self) -> String {
-        ProgramDocument::new(&self.name, self.size, &self.solution, &self.ending).text()
+        program_document(&self.name, self.size, &self.solution, &self.ending).text()
     }
 
     /// The `.sol` file that `hangtime nlp` writes.

@@ -8,9 +8,8 @@ use hangtime::rk::Scheme;
 use hangtime::simulation::{
     Fesd, FormulationSize, InitialValueProblem, ProblemSize, StepFormulation, step_sizes,
 };
-use serde::Serialize;
 
-use crate::json::{SCHEMA, to_line};
+use crate::json::{Object, SCHEMA};
 use crate::published::PublishedSize;
 use crate::settings::ChosenScene;
 use crate::table::{described, table};
@@ -130,17 +129,18 @@ impl Sizes {
 
     /// The sizes as one JSON object.
     pub(crate) fn json(&self, chosen: &ChosenScene) -> String {
-        to_line(&Document {
-            schema: SCHEMA,
-            scene: chosen.scene.name,
-            formulations: self.formulations.iter().map(FormulationEntry::of).collect(),
-            refused: self
-                .refused
-                .iter()
-                .map(|(formulation, why)| RefusedEntry { formulation, why })
-                .collect(),
-            published: self.comparisons.iter().map(ComparisonEntry::of).collect(),
-        })
+        let refused = self.refused.iter().map(|(formulation, why)| {
+            let object = Object::default().with("formulation", formulation);
+            object.with("why", why)
+        });
+        let published = self.comparisons.iter().map(Comparison::json);
+        Object::default()
+            .with("schema", SCHEMA)
+            .with("scene", chosen.scene.name)
+            .with("formulations", formulations(&self.formulations))
+            .with("refused", refused.collect::<Vec<_>>())
+            .with("published", published.collect::<Vec<_>>())
+            .text()
     }
 }
 
@@ -189,6 +189,19 @@ fn compare(chosen: &ChosenScene, published: &'static PublishedSize) -> Compariso
 }
 
 impl Comparison {
+    fn json(&self) -> Object {
+        let known = self.published;
+        Object::default()
+            .with("what", known.what)
+            .with("source", known.source)
+            .with("discretization", known.discretization())
+            .with("variables", known.variables)
+            .with("constraints", known.constraints)
+            .with("jacobian_nonzeros", known.jacobian_nonzeros)
+            .with("hessian_nonzeros", known.hessian_nonzeros)
+            .with("ours", formulations(&self.ours))
+    }
+
     fn text(&self) -> String {
         let known = self.published;
         let mut text = format!("\npublished: {} ({})\n", known.what, known.source);
@@ -233,89 +246,27 @@ fn numbers(size: ProblemSize) -> [String; 6] {
     .map(|number| number.to_string())
 }
 
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: u32,
-    scene: &'a str,
-    formulations: Vec<FormulationEntry<'a>>,
-    refused: Vec<RefusedEntry<'a>>,
-    published: Vec<ComparisonEntry<'a>>,
-}
-
-#[derive(Serialize)]
-struct FormulationEntry<'a> {
-    formulation: &'a str,
-    discretization: &'a str,
-    size: ProblemSize,
-    operations: usize,
-    groups: Vec<GroupEntry>,
-    kernels: Vec<&'static str>,
-}
-
-#[derive(Serialize)]
-struct GroupEntry {
-    group: &'static str,
-    why: &'static str,
-    size: ProblemSize,
-}
-
-#[derive(Serialize)]
-struct RefusedEntry<'a> {
-    formulation: &'a str,
-    why: &'a str,
-}
-
-#[derive(Serialize)]
-struct ComparisonEntry<'a> {
-    what: &'a str,
-    source: &'a str,
-    discretization: String,
-    variables: usize,
-    constraints: usize,
-    jacobian_nonzeros: usize,
-    hessian_nonzeros: usize,
-    ours: Vec<FormulationEntry<'a>>,
-}
-
 /// Operations of one call of each kernel.
 fn operations(formulation: &FormulationSize) -> usize {
     let kernels = formulation.kernels.iter();
     kernels.map(|kernel| kernel.operations).sum()
 }
 
-impl<'a> FormulationEntry<'a> {
-    fn of(formulation: &'a FormulationSize) -> Self {
-        let groups = formulation.groups.iter();
-        let kernels = formulation.kernels.iter();
-        Self {
-            formulation: &formulation.formulation,
-            discretization: &formulation.discretization,
-            size: formulation.size(),
-            operations: operations(formulation),
-            groups: groups
-                .map(|group| GroupEntry {
-                    group: group.name,
-                    why: group.why,
-                    size: group.size,
-                })
-                .collect(),
-            kernels: kernels.map(|kernel| kernel.name).collect(),
-        }
-    }
-}
-
-impl<'a> ComparisonEntry<'a> {
-    fn of(comparison: &'a Comparison) -> Self {
-        let known = comparison.published;
-        Self {
-            what: known.what,
-            source: known.source,
-            discretization: known.discretization(),
-            variables: known.variables,
-            constraints: known.constraints,
-            jacobian_nonzeros: known.jacobian_nonzeros,
-            hessian_nonzeros: known.hessian_nonzeros,
-            ours: comparison.ours.iter().map(FormulationEntry::of).collect(),
-        }
-    }
+/// The entries of formulations, with what each group of variables and equations is there for.
+fn formulations(list: &[FormulationSize]) -> Vec<Object> {
+    let entry = |known: &FormulationSize| {
+        let groups = known.groups.iter().map(|group| {
+            let object = Object::default().with("group", group.name);
+            object.with("why", group.why).with("size", group.size)
+        });
+        let kernels = known.kernels.iter().map(|kernel| kernel.name);
+        Object::default()
+            .with("formulation", &known.formulation)
+            .with("discretization", &known.discretization)
+            .with("size", known.size())
+            .with("operations", operations(known))
+            .with("groups", groups.collect::<Vec<_>>())
+            .with("kernels", kernels.collect::<Vec<_>>())
+    };
+    list.iter().map(entry).collect()
 }

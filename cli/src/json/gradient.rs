@@ -4,203 +4,121 @@ use std::collections::BTreeMap;
 
 use hangtime::derivative::{Gradient, GradientMode, SequenceLimit, SequenceRange, Side};
 use hangtime::model::Model;
-use serde::{Serialize, Serializer};
+use serde_json::Value;
 
-/// Matrices with a row for each value, and a column for each quantity that it is differentiated by.
-#[derive(Serialize)]
-pub(super) struct GradientEntry<'a> {
-    /// What is differentiated by: the columns.
-    with_respect_to: &'a [String],
-    /// `forward`, or `adjoint`, which has nothing but chosen values and the objective.
-    mode: &'static str,
-    /// Of chosen values at the end, and of chosen times of events, by name. Only where they were chosen.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    values: BTreeMap<&'a str, &'a [f64]>,
-    /// Of the end of the motion.
-    #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
-    last: Option<LastEntry<'a>>,
-    /// Of the times of events, a row an event.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    event_times: Option<&'a [Vec<f64>]>,
-    /// Of outputs, by name, a row for each row of the trajectory.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    outputs: Option<BTreeMap<&'static str, Vec<&'a [f64]>>>,
-    /// Of the objective. Only of scenes that declare one that reads nothing of contacts.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    objective: Option<&'a [f64]>,
-    /// How far each quantity may go until the motion has another sequence of events, to first order. Only of `forward` derivatives.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    range: Option<Vec<RangeEntry<'a>>>,
-    /// `true`, or why there is no derivative by some quantity.
-    exists: Existence<'a>,
-    /// By quantity `true`, or why there is no derivative by it. Only where there is none by some of them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    exists_by: Option<Vec<Existence<'a>>>,
-    /// Of the end to both sides, only where there are no others; null by other quantities.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    one_sided: Option<OneSidedEntry<'a>>,
-}
+use super::parts::Object;
 
-/// Null to a side that nothing ends.
-#[derive(Serialize)]
-pub(super) struct RangeEntry<'a> {
-    /// Towards smaller values.
-    below: Option<LimitEntry<'a>>,
-    /// Towards larger values.
-    above: Option<LimitEntry<'a>>,
-}
-
-/// What ends a range.
-#[derive(Serialize)]
-struct LimitEntry<'a> {
-    /// Change of the quantity, in its unit; below 0 towards smaller values.
-    change: f64,
-    /// What is another then.
-    because: &'a str,
-}
-
-impl<'a> RangeEntry<'a> {
-    pub(super) fn new(range: &'a SequenceRange) -> Self {
-        let side = |limit: &'a Option<SequenceLimit>| {
-            limit.as_ref().map(|limit| LimitEntry {
-                change: limit.change,
-                because: &limit.because,
-            })
-        };
-        Self {
-            below: side(&range.below),
-            above: side(&range.above),
-        }
-    }
-}
-
-/// Null where there is no derivative to that side.
-#[derive(Serialize)]
-struct OneSidedEntry<'a> {
-    /// Below the value of the parameter; null where there is none.
-    below: SideEntry<'a>,
-    /// Above it; null where there is none.
-    above: SideEntry<'a>,
-}
-
-/// Derivatives to one side.
-#[derive(Serialize)]
-struct SideEntry<'a> {
-    /// Of the end of the motion.
-    #[serde(rename = "final")]
-    last: LastEntry<'a>,
-    /// Of the objective.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    objective: Option<&'a [f64]>,
-    /// Of chosen values at the end, by name.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    values: BTreeMap<&'a str, &'a [f64]>,
-    /// Numbers `a` of values that move by `a sqrt(h)` with the distance `h`, whose derivatives are infinite and null above; 0 of others.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    square_root: Option<Box<SideEntry<'a>>>,
-}
-
-impl<'a> SideEntry<'a> {
-    fn new(side: &'a Side, mechanical: usize) -> Self {
-        let (n, values) = (side.q.len(), side.values.len());
-        let roots = &side.roots;
-        let of = || Self {
-            last: LastEntry::new(&roots[..n], &roots[n..2 * n], mechanical),
-            objective: roots.get(2 * n + values).map(Vec::as_slice),
-            values: (side.values.iter().zip(&roots[2 * n..]))
-                .map(|((name, _), row)| (name.as_str(), &row[..]))
-                .collect(),
-            square_root: None,
-        };
-        Self {
-            square_root: (!roots.is_empty()).then(|| Box::new(of())),
-            last: LastEntry::new(&side.q, &side.v, mechanical),
-            objective: side.objective.as_deref(),
-            values: by_name(&side.values),
-        }
-    }
-}
-
-fn by_name(values: &[(String, Vec<f64>)]) -> BTreeMap<&str, &[f64]> {
-    let rows = values.iter();
-    rows.map(|(name, row)| (name.as_str(), &row[..])).collect()
-}
-
-/// Derivatives of the end.
-#[derive(Serialize)]
-struct LastEntry<'a> {
-    /// Of coordinates.
-    q: &'a [Vec<f64>],
-    /// Of velocities.
-    v: &'a [Vec<f64>],
-    /// Of states. Only for scenes that declare states.
-    #[serde(skip_serializing_if = "<[Vec<f64>]>::is_empty")]
-    states: &'a [Vec<f64>],
-}
-
-impl<'a> LastEntry<'a> {
-    fn new(q: &'a [Vec<f64>], v: &'a [Vec<f64>], mechanical: usize) -> Self {
-        // None where there is no derivative.
-        let (velocities, states) = v.split_at(mechanical.min(v.len()));
-        Self {
-            q: &q[..mechanical.min(q.len())],
-            v: velocities,
-            states,
-        }
-    }
-}
-
-/// Why there are no derivatives, if there are none.
-pub(super) struct Existence<'a>(Option<&'a str>);
-
-impl<'a> Existence<'a> {
-    /// What an obstacle, if there is one, says of it.
-    pub(super) fn of(obstacle: &'a Option<String>) -> Self {
-        Self(obstacle.as_deref())
-    }
-}
-
-impl Serialize for Existence<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.0 {
-            None => serializer.serialize_bool(true),
-            Some(reason) => serializer.serialize_str(reason),
-        }
-    }
-}
-
-impl<'a> GradientEntry<'a> {
-    /// Of a motion of whose trajectory the instants `kept` are written.
-    pub(super) fn new(model: &dyn Model, gradient: &'a Gradient, kept: &[usize]) -> Self {
+/// Matrices with a row for each value, and a column for each quantity that it is differentiated by, of a motion of whose trajectory the
+/// instants `kept` are written. With an adjoint there are chosen values and the objective only.
+pub(super) fn gradient(model: &dyn Model, gradient: &Gradient, kept: &[usize]) -> Object {
+    let mechanical = model.declaration().mechanical();
+    let outputs = || {
         let outputs = model.outputs().iter().zip(&gradient.outputs);
-        let mechanical = model.declaration().mechanical();
-        let sides = gradient.one_sided.as_deref();
-        let forward = gradient.mode == GradientMode::Forward;
-        Self {
-            with_respect_to: &gradient.with_respect_to,
-            mode: gradient.mode.name(),
-            values: by_name(&gradient.values),
-            last: forward.then(|| LastEntry::new(&gradient.q, &gradient.v, mechanical)),
-            one_sided: sides.map(|sides| OneSidedEntry {
-                below: SideEntry::new(&sides.below, mechanical),
-                above: SideEntry::new(&sides.above, mechanical),
-            }),
-            event_times: forward.then_some(&gradient.event_times),
-            outputs: forward.then(|| {
-                let rows = outputs.map(|(output, rows)| {
-                    let rows = kept.iter().filter_map(|&k| rows.get(k));
-                    (output.name, rows.map(Vec::as_slice).collect())
-                });
-                rows.collect()
-            }),
-            objective: gradient.objective.as_deref(),
-            range: (!gradient.ranges.is_empty())
-                .then(|| gradient.ranges.iter().map(RangeEntry::new).collect()),
-            exists: Existence::of(&gradient.obstacle),
-            exists_by: gradient.obstacle.is_some().then(|| {
-                let obstacles = gradient.obstacles.iter();
-                obstacles.map(Existence::of).collect()
-            }),
-        }
-    }
+        let rows = outputs.map(|(output, rows)| {
+            let rows = kept.iter().filter_map(|&k| rows.get(k));
+            (output.name, rows.collect())
+        });
+        rows.collect::<BTreeMap<_, Vec<_>>>()
+    };
+    let values = by_name(gradient.values.iter().map(|(name, row)| (name, row)));
+    let forward = gradient.mode == GradientMode::Forward;
+    let last = || end(&gradient.q, &gradient.v, mechanical);
+    let ranges: Vec<Object> = gradient.ranges.iter().map(range).collect();
+    let obstacles = || gradient.obstacles.iter().map(existence).collect::<Vec<_>>();
+    let sides = gradient.one_sided.as_deref().map(|sides| {
+        // Below the value of the parameter; null where there is none.
+        let below = Object::default().with("below", side(&sides.below, mechanical));
+        // Above it; null where there is none.
+        below.with("above", side(&sides.above, mechanical))
+    });
+    Object::default()
+        // What is differentiated by: the columns.
+        .with("with_respect_to", &gradient.with_respect_to)
+        // `forward`, or `adjoint`, which has nothing but chosen values and the objective.
+        .with("mode", gradient.mode.name())
+        // Of chosen values at the end, and of chosen times of events, by name. Only where they were chosen.
+        .some("values", values)
+        // Of the end of the motion.
+        .some("final", forward.then(last))
+        // Of the times of events, a row an event.
+        .some("event_times", forward.then_some(&gradient.event_times))
+        // Of outputs, by name, a row for each row of the trajectory.
+        .some("outputs", forward.then(outputs))
+        // Of the objective. Only of scenes that declare one that reads nothing of contacts.
+        .some("objective", gradient.objective.as_ref())
+        // How far each quantity may go until the motion has another sequence of events, to first order. Only of `forward` derivatives.
+        .list("range", &ranges)
+        // `true`, or why there is no derivative by some quantity.
+        .with("exists", existence(&gradient.obstacle))
+        // By quantity `true`, or why there is no derivative by it. Only where there is none by some of them.
+        .some("exists_by", gradient.obstacle.is_some().then(obstacles))
+        // Of the end to both sides, only where there are no others; null by other quantities.
+        .some("one_sided", sides)
+}
+
+/// How far a quantity may go to both sides until something else happens, to first order: the change in its unit, below 0 towards smaller
+/// values, and what is another then; null to a side that nothing ends.
+pub(super) fn range(range: &SequenceRange) -> Object {
+    let limit = |limit: &SequenceLimit| {
+        // Change of the quantity, in its unit; below 0 towards smaller values.
+        let change = Object::default().with("change", limit.change);
+        // What is another then.
+        change.with("because", &limit.because)
+    };
+    // Towards smaller values.
+    let below = Object::default().with("below", range.below.as_ref().map(limit));
+    // Towards larger values.
+    below.with("above", range.above.as_ref().map(limit))
+}
+
+/// Derivatives to one side, of the end, the objective and chosen values there; null where there are none. Values that move by `a sqrt(h)`
+/// with the distance `h` have infinite ones, and a number `a` in a part of its own.
+fn side(side: &Side, mechanical: usize) -> Object {
+    let (n, values, roots) = (side.q.len(), side.values.len(), &side.roots);
+    let names = side.values.iter().map(|(name, _)| name);
+    let of_roots = || {
+        Object::default()
+            // Of the end of the motion.
+            .with("final", end(&roots[..n], &roots[n..2 * n], mechanical))
+            // Of the objective.
+            .some("objective", roots.get(2 * n + values))
+            // Of chosen values at the end, by name.
+            .some("values", by_name(names.clone().zip(&roots[2 * n..])))
+    };
+    let by_name = by_name(side.values.iter().map(|(name, row)| (name, row)));
+    Object::default()
+        // Of the end of the motion.
+        .with("final", end(&side.q, &side.v, mechanical))
+        // Of the objective.
+        .some("objective", side.objective.as_ref())
+        // Of chosen values at the end, by name.
+        .some("values", by_name)
+        // Numbers `a` of values that move by `a sqrt(h)` with the distance `h`, whose derivatives are infinite and null above; 0 of others.
+        .some("square_root", (!roots.is_empty()).then(of_roots))
+}
+
+/// Rows by name; none if there are none.
+fn by_name<'a>(
+    rows: impl Iterator<Item = (&'a String, &'a Vec<f64>)>,
+) -> Option<BTreeMap<&'a String, &'a Vec<f64>>> {
+    let rows: BTreeMap<_, _> = rows.collect();
+    (!rows.is_empty()).then_some(rows)
+}
+
+/// Derivatives of coordinates, velocities and states at the end.
+fn end(q: &[Vec<f64>], v: &[Vec<f64>], mechanical: usize) -> Object {
+    // None where there is no derivative.
+    let (velocities, states) = v.split_at(mechanical.min(v.len()));
+    Object::default()
+        // Of coordinates.
+        .with("q", &q[..mechanical.min(q.len())])
+        // Of velocities.
+        .with("v", velocities)
+        // Of states. Only for scenes that declare states.
+        .list("states", states)
+}
+
+/// `true`, or why there are no derivatives.
+pub(super) fn existence(obstacle: &Option<String>) -> Value {
+    obstacle.as_deref().map_or(Value::Bool(true), Value::from)
 }

@@ -16,8 +16,8 @@ mod solution;
 
 pub use columns::Columns;
 pub(crate) use columns::{part, quantities};
-pub(crate) use estimate::EstimateDocument;
-pub(crate) use parts::{SCHEMA, to_line};
-pub(crate) use program::ProgramDocument;
-pub(crate) use simulation::Document;
-pub(crate) use solution::{SolutionDocument, SolverSettings, struck_after_the_end};
+pub(crate) use estimate::estimate_document;
+pub(crate) use parts::{Object, SCHEMA, to_line};
+pub(crate) use program::program_document;
+pub(crate) use simulation::simulation_document;
+pub(crate) use solution::{SolverSettings, solution_document, struck_after_the_end};

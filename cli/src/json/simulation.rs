@@ -1,165 +1,81 @@
 //! The JSON document of a simulation.
 
 use hangtime::derivative::Gradient;
-use hangtime::model::Model;
-use hangtime::simulation::{Counts, ProblemSize, Residuals, Seconds, Simulation};
-use serde::Serialize;
+use hangtime::simulation::Simulation;
+use serde_json::json;
 
 use super::columns::kept_instants;
-use super::gradient::GradientEntry;
-use super::joints::JointsEntry;
-use super::parts::{
-    DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, SCHEMA,
-    TrajectoryEntry, to_line,
-};
+use super::gradient::gradient;
+use super::joints::joints;
+use super::parts::{Motion, Object, begun};
 use crate::ending::Ending;
 use crate::method::MethodSettings;
-use crate::scene_file::warned;
 use crate::settings::ChosenScene;
 
-/// The document; its fields are those of the contract, in their order.
-// Many fields: the names of the JSON contract.
-#[derive(Serialize)]
-pub(crate) struct Document<'a> {
-    /// Version of the layout of the document.
-    schema: u32,
-    /// Name of the scene.
-    scene: &'static str,
-    /// Values of the parameters in their declared units, by name, and the choice of the form of the scene.
-    parameters: ParameterValues<'a>,
-    /// Length of the motion \[s\].
-    horizon: f64,
-    /// The method and its settings.
-    method: MethodSettings,
-    /// How the run ended.
-    status: &'static str,
-    /// Where and why it ended early.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    diagnosis: Option<DiagnosisEntry<'a>>,
-    /// What happened, in the order of time.
-    events: Vec<EventEntry<'a>>,
-    /// The instants of the motion, at most as many as `--rows` allows.
-    trajectory: TrajectoryEntry,
-    /// The last of them.
-    #[serde(rename = "final")]
-    last: Option<FinalEntry>,
-    /// Estimated largest error, relative to the largest values of each unit.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    error_estimate: Option<f64>,
-    /// Whether every function whose zeros are events was bounded between the places that were looked at; otherwise the names of those that
-    /// were interpolated there. Only for methods that locate events.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    enclosed: Option<EnclosedEntry<'a>>,
-    /// How well the equations of the steps hold.
-    residuals: Residuals,
-    /// Size of the largest system or program.
-    size: ProblemSize,
-    /// What the run took, counted.
-    iterations: Counts,
-    /// CPU time \[s\].
-    seconds: Seconds,
-    /// What one might want to know about this run, in sentences.
-    notes: Vec<String>,
-    /// Name and unit of every column of the trajectory.
-    quantities: QuantitiesEntry,
-    /// What contacts do from the start on.
-    initially: Vec<InitialEntry>,
-    /// Only for scenes with joints.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    joints: Option<JointsEntry>,
-    /// Only where it was asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    gradient: Option<GradientEntry<'a>>,
-}
-
-/// Whether events were enclosed.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum EnclosedEntry<'a> {
-    All(bool),
-    But(&'a [String]),
-}
-
-impl<'a> EnclosedEntry<'a> {
-    fn new(interpolated: &'a [String]) -> Self {
-        if interpolated.is_empty() {
-            Self::All(true)
-        } else {
-            Self::But(interpolated)
-        }
-    }
-}
-
-impl<'a> Document<'a> {
-    /// The document of one simulation of `chosen` over `horizon`, with at most `rows` rows of its trajectory.
-    pub(crate) fn new(
-        chosen: &'a ChosenScene,
-        horizon: f64,
-        method: &'a MethodSettings,
-        simulation: &'a Simulation,
-        ending: &'a Ending,
-        rows: usize,
-    ) -> Self {
-        let declaration = chosen.model.declaration();
-        let contacts = declaration.contacts;
-        let trajectory = TrajectoryEntry::new(chosen.model.as_ref(), &simulation.trajectory, rows);
-        let notes = simulation.notes.iter().cloned();
-        let notes = notes.chain(trajectory.note(&simulation.trajectory));
-        let notes = notes.chain(warned(chosen.scene));
-        Self {
-            schema: SCHEMA,
-            scene: chosen.scene.name,
-            parameters: ParameterValues::of(chosen),
-            horizon,
-            method: method.with_steps_of(simulation),
-            status: ending.status,
-            diagnosis: simulation
-                .status
-                .diagnosis()
-                .map(|diagnosis| DiagnosisEntry::new(diagnosis, ending, contacts)),
-            initially: InitialEntry::all(simulation),
-            events: EventEntry::all(&simulation.events, declaration),
-            last: trajectory.last(),
-            trajectory,
-            error_estimate: simulation.error_estimate,
-            enclosed: simulation.interpolated.as_deref().map(EnclosedEntry::new),
-            residuals: simulation.residuals,
-            size: simulation.size,
-            iterations: simulation.counts,
-            seconds: simulation.seconds,
-            notes: notes.collect(),
-            quantities: QuantitiesEntry::of(chosen.model.as_ref()),
-            joints: JointsEntry::of(chosen.model.as_ref(), &simulation.trajectory, rows),
-            gradient: None,
-        }
-    }
-
-    /// The document with derivatives, those of outputs in the rows of the trajectory.
-    pub(crate) fn with_gradient(
-        self,
-        model: &'a dyn Model,
-        simulation: &Simulation,
-        gradient: Option<&'a Gradient>,
-        rows: usize,
-    ) -> Self {
-        let kept = || kept_instants(&simulation.trajectory, rows);
-        Self {
-            gradient: gradient.map(|gradient| GradientEntry::new(model, gradient, &kept())),
-            ..self
-        }
-    }
-
-    /// The document as one line of text.
-    pub(crate) fn text(&self) -> String {
-        to_line(self)
-    }
+/// The document of one simulation of `chosen` over `horizon`, with at most `rows` rows of its trajectory, and with `derivatives` if there
+/// are any.
+pub(crate) fn simulation_document(
+    chosen: &ChosenScene,
+    (horizon, method): (f64, &MethodSettings),
+    (simulation, derivatives): (&Simulation, Option<&Gradient>),
+    ending: &Ending,
+    rows: usize,
+) -> Object {
+    let model = chosen.model.as_ref();
+    let motion = Motion::new(chosen, Some(simulation), rows);
+    let diagnosis = simulation.status.diagnosis().map(|known| {
+        let contact = known
+            .contact
+            .map(|contact| model.declaration().contacts[contact].name);
+        Object::default()
+            // Time that was reached \[s\].
+            .with("time", known.time)
+            // Step in which it ended, from 0.
+            .with("step", known.step)
+            // The contact concerned, if one can be named.
+            .with("contact", contact)
+            // What happened, and what to change.
+            .with("message", ending.diagnosis.as_deref().unwrap_or_default())
+    });
+    let enclosed = simulation.interpolated.as_deref().map(|names| match names {
+        [] => json!(true),
+        names => json!(names),
+    });
+    let kept = || kept_instants(&simulation.trajectory, rows);
+    let derivatives = derivatives.map(|known| gradient(model, known, &kept()));
+    let begin = begun(chosen)
+        // Length of the motion \[s\].
+        .with("horizon", horizon)
+        // The method and its settings.
+        .with("method", method.with_steps_of(simulation));
+    let document = motion
+        .told(begin, ending, diagnosis)
+        // Estimated largest error, relative to the largest values of each unit.
+        .some("error_estimate", simulation.error_estimate)
+        // Whether every function whose zeros are events was bounded between the places that were looked at; otherwise the names of those
+        // that were interpolated there. Only for methods that locate events.
+        .some("enclosed", enclosed)
+        // How well the equations of the steps hold.
+        .with("residuals", simulation.residuals)
+        // Size of the largest system or program.
+        .with("size", simulation.size)
+        // What the run took, counted.
+        .with("iterations", simulation.counts)
+        // CPU time \[s\].
+        .with("seconds", simulation.seconds);
+    motion
+        .ended(document, simulation.notes.iter().cloned(), None)
+        // Only for scenes with joints.
+        .some("joints", joints(model, &simulation.trajectory, rows))
+        // Only where it was asked for.
+        .some("gradient", derivatives)
 }
 
 #[cfg(test)]
 mod tests {
     use hangtime::simulation::{Diagnosis, Simulation, SimulationStatus, Trajectory};
 
-    use super::Document;
+    use super::simulation_document;
     use crate::ending::Ending;
     use crate::method::MethodSettings;
     use crate::settings::{ChosenScene, find};
@@ -193,7 +109,7 @@ mod tests {
         };
         let settings = MethodSettings::default();
         let ending = Ending::of_whole(&simulation);
-        Document::new(&chosen, 5.0, &settings, &simulation, &ending, 100).text()
+        simulation_document(&chosen, (5.0, &settings), (&simulation, None), &ending, 100).text()
     }
 
     #[test]

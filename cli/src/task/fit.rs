@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::arguments::{ControlsName, GridName, SolveArguments, SolveFormulation};
 use crate::ending::Ending;
 use crate::failure::BadInput;
-use crate::json::EstimateDocument;
+use crate::json::estimate_document;
 use crate::measured;
 use crate::settings::ChosenScene;
 use crate::table::seconds;
@@ -59,7 +59,7 @@ impl FitTask {
 
     /// The JSON document of an estimate that ended as `ending` tells.
     pub(crate) fn json(&self, estimate: &Estimate, ending: &Ending) -> String {
-        EstimateDocument::new(&self.chosen, estimate, ending, self.rows).text()
+        estimate_document(&self.chosen, estimate, ending, self.rows).text()
     }
 }
 

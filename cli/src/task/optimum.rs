@@ -10,7 +10,7 @@ use hangtime::rk::Scheme;
 use crate::arguments::{ControlsName, GridName, SchemeName, SolveArguments, SolveFormulation};
 use crate::ending::Ending;
 use crate::failure::BadInput;
-use crate::json::{SolutionDocument, SolverSettings};
+use crate::json::{SolverSettings, solution_document};
 use crate::settings::ChosenScene;
 use crate::table::seconds;
 
@@ -89,7 +89,7 @@ impl OptimumTask {
 
     /// The JSON document of a plan that ended as `ending` tells.
     pub(crate) fn json(&self, solution: &Solution, ending: &Ending) -> String {
-        SolutionDocument::new(&self.chosen, &self.method, solution, ending, self.rows).text()
+        solution_document(&self.chosen, &self.method, solution, ending, self.rows).text()
     }
 }
 

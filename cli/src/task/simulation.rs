@@ -8,7 +8,7 @@ use hangtime::simulation::{InitialValueProblem, Simulation};
 use crate::arguments::{GradientModeName, Method, SimulateArguments};
 use crate::ending::Ending;
 use crate::failure::BadInput;
-use crate::json::Document;
+use crate::json::simulation_document;
 use crate::kept;
 use crate::method::{ChosenMethod, name_of};
 use crate::settings::ChosenScene;
@@ -98,10 +98,9 @@ impl SimulationTask {
         gradient: Option<&Gradient>,
         ending: &Ending,
     ) -> String {
-        let (horizon, method) = (self.problem.horizon, &self.method.settings);
-        Document::new(&self.chosen, horizon, method, simulation, ending, self.rows)
-            .with_gradient(self.chosen.model.as_ref(), simulation, gradient, self.rows)
-            .text()
+        let method = (self.problem.horizon, &self.method.settings);
+        let run = (simulation, gradient);
+        simulation_document(&self.chosen, method, run, ending, self.rows).text()
     }
 }
 

@@ -31,7 +31,7 @@ pub struct Structure {
 struct Part {
     title: &'static str,
     file: &'static str,
-    /// The names of the types.
+    /// The names of the types, and of the functions that make parts of documents.
     types: &'static [&'static str],
 }
 
@@ -77,7 +77,11 @@ const STATUSES: [Part; 8] = [
 
 /// Where the documents that `--json` prints are declared, a document or a part of documents each.
 const DOCUMENTS: [Part; 14] = [
-    part("Simulations", "cli/src/json/simulation.rs", &["Document"]),
+    part(
+        "Simulations",
+        "cli/src/json/simulation.rs",
+        &["simulation_document"],
+    ),
     part(
         "Method of a simulation",
         "cli/src/method.rs",
@@ -87,13 +91,11 @@ const DOCUMENTS: [Part; 14] = [
         "Optimal control",
         "cli/src/json/solution.rs",
         &[
-            "SolutionDocument",
+            "solution_document",
             "SolverSettings",
-            "SolutionCounts",
-            "FoundEntry",
-            "OptimumGradientEntry",
-            "TimeFreezingEntry",
-            "TimeFreezingResiduals",
+            "counts",
+            "gradient",
+            "time_freezing",
         ],
     ),
     part(
@@ -111,14 +113,11 @@ const DOCUMENTS: [Part; 14] = [
         "Estimation",
         "cli/src/json/estimate.rs",
         &[
-            "EstimateDocument",
-            "FoundEntry",
-            "MatricesEntry",
-            "DirectionEntry",
-            "ExperimentEntry",
-            "MeasuredEntry",
-            "EstimateCounts",
-            "TotalSeconds",
+            "estimate_document",
+            "parameter",
+            "knowledge",
+            "direction",
+            "experiment",
         ],
     ),
     part(
@@ -129,32 +128,26 @@ const DOCUMENTS: [Part; 14] = [
     part(
         "Programs from files",
         "cli/src/json/program.rs",
-        &["ProgramDocument", "Residuals", "Iterations", "Seconds"],
+        &["program_document"],
     ),
     part(
         "Gradients",
         "cli/src/json/gradient.rs",
-        &[
-            "GradientEntry",
-            "LastEntry",
-            "OneSidedEntry",
-            "SideEntry",
-            "RangeEntry",
-            "LimitEntry",
-        ],
+        &["gradient", "side", "range", "end"],
     ),
-    part("Joints", "cli/src/json/joints.rs", &["Forces"]),
+    part("Joints", "cli/src/json/joints.rs", &["joints"]),
     part(
         "What documents have in common",
         "cli/src/json/parts.rs",
         &[
-            "EventEntry",
-            "TrajectoryEntry",
-            "FinalEntry",
-            "QuantitiesEntry",
-            "QuantityEntry",
-            "InitialEntry",
-            "DiagnosisEntry",
+            "begun",
+            "told",
+            "event",
+            "parts",
+            "instants",
+            "columns",
+            "initially",
+            "found",
         ],
     ),
     part("Residuals", "solver/src/nlp/solution.rs", &["Residuals"]),
@@ -408,8 +401,43 @@ fn shown_name(source: &str, name: &str, variant: &str) -> Option<String> {
     Some(text.to_owned())
 }
 
+/// What a function makes of a document, and the fields that it names, each with what the comment above it says.
+fn built(source: &str, name: &str) -> std::result::Result<Structure, String> {
+    let (about, body) = body(source, &format!("fn {name}"))?;
+    let mut fields: Vec<Entry> = Vec::new();
+    let mut above: Vec<&str> = Vec::new();
+    for line in body.lines().map(str::trim_start) {
+        if let Some(said) = line.strip_prefix("// ") {
+            above.push(said);
+            continue;
+        }
+        let calls = [".with(\"", ".some(\"", ".list(\""].into_iter();
+        let mut called = calls.filter_map(|call| Some(line.split_once(call)?.1));
+        let named = called.next().or_else(|| line.strip_prefix("(\""));
+        let field = named.and_then(|named| named.split('"').next());
+        let text = plain(&above.drain(..).collect::<Vec<_>>().join(" "));
+        match field {
+            Some(field) if text.is_empty() => {
+                return Err(format!("`{field}` of `{name}` has no documentation"));
+            }
+            Some(field) if fields.iter().all(|known| known.name != field) => fields.push(Entry {
+                name: field.to_owned(),
+                text,
+            }),
+            _ => {}
+        }
+    }
+    match about.is_empty() {
+        true => Err(format!("`{name}` has no documentation")),
+        false => Ok(Structure { about, fields }),
+    }
+}
+
 /// What a structure is, and its fields as documents name them.
 fn fields(source: &str, name: &str) -> std::result::Result<Structure, String> {
+    if name.starts_with(char::is_lowercase) {
+        return built(source, name);
+    }
     let (about, body) = body(source, &format!("struct {name}"))?;
     let mut fields = Vec::new();
     let mut above: Vec<&str> = Vec::new();

@@ -16,7 +16,7 @@ use crate::bounds::Bounds;
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
-use crate::json::{SolutionDocument, SolverSettings};
+use crate::json::{SolverSettings, solution_document};
 use crate::quantity;
 use crate::sampling::{State, dense};
 use crate::task::{INTERVALS, optimum_facts};
@@ -38,7 +38,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
     let solution = ocp::solve(model, &problem, &settings, &mut observer).map_err(refuse)?;
     let method = SolverSettings::new(model, &settings, problem.intervals);
     let ending = Ending::of(&solution);
-    let json = SolutionDocument::new(chosen, &method, &solution, &ending, usize::MAX).text();
+    let json = solution_document(chosen, &method, &solution, &ending, usize::MAX).text();
     let diagnosis = ending.line(chosen.scene.name);
     let mut columns = Vec::new();
     let mut files = Vec::new();

@@ -13,7 +13,7 @@ use crate::drawing::{Body, Drawing};
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
-use crate::json::Document;
+use crate::json::simulation_document;
 use crate::method::ChosenMethod;
 use crate::sampling::dense;
 use crate::spreadsheet::{csv_text, trajectory_csv};
@@ -80,7 +80,14 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
         diagnoses.extend(ending.line_of(chosen.scene.name, &simulation));
         let settings = &method.settings;
         let rows = usize::MAX;
-        let json = Document::new(chosen, horizon, settings, &simulation, &ending, rows).text();
+        let json = simulation_document(
+            chosen,
+            (horizon, settings),
+            (&simulation, None),
+            &ending,
+            rows,
+        )
+        .text();
         if index == 0 {
             let result = ResultFiles {
                 stem: published.name.to_owned(),
