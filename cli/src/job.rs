@@ -159,7 +159,7 @@ impl Job {
         let (work, ending) = match self.task {
             Task::Simulate(task) => {
                 let simulation = task.run(&mut goes_on)?;
-                let gradient = task.gradient(&simulation)?;
+                let gradient = task.gradient(&simulation)?.map(Box::new);
                 let ending = Ending::of_simulation(&simulation, stop, &self.limits);
                 let simulation = Box::new(simulation);
                 (Work::Simulated(task, simulation, gradient), ending)
@@ -209,7 +209,7 @@ fn told(now: &Progress, best: Option<f64>, contacts: bool) -> String {
 /// What a task came to.
 pub(crate) enum Work {
     /// A motion, and its derivatives where they were asked for.
-    Simulated(SimulationTask, Box<Simulation>, Option<Gradient>),
+    Simulated(SimulationTask, Box<Simulation>, Option<Box<Gradient>>),
     /// A plan.
     Planned(OptimumTask, Box<Solution>),
     /// An estimate.
@@ -368,7 +368,7 @@ impl Run {
     pub fn json(&self) -> String {
         match &self.work {
             Work::Simulated(task, simulation, gradient) => {
-                task.json(simulation, gradient.as_ref(), &self.ending)
+                task.json(simulation, gradient.as_deref(), &self.ending)
             }
             Work::Planned(task, solution) => task.json(solution, &self.ending),
             Work::Fitted(task, estimate) => task.json(estimate, &self.ending),
@@ -394,7 +394,7 @@ impl Run {
     pub(crate) fn tables(&self) -> String {
         match &self.work {
             Work::Simulated(task, simulation, gradient) => {
-                simulate::tables(task, simulation, gradient.as_ref(), &self.ending)
+                simulate::tables(task, simulation, gradient.as_deref(), &self.ending)
             }
             Work::Planned(task, solution) => {
                 solve::tables(&task.chosen, &task.method, solution, &self.ending)

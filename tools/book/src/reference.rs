@@ -415,7 +415,7 @@ fn built(source: &str, name: &str) -> std::result::Result<Structure, String> {
         let mut called = calls.filter_map(|call| Some(line.split_once(call)?.1));
         let named = called.next().or_else(|| line.strip_prefix("(\""));
         let field = named.and_then(|named| named.split('"').next());
-        let text = plain(&above.drain(..).collect::<Vec<_>>().join(" "));
+        let text = plain(&std::mem::take(&mut above).join(" "));
         match field {
             Some(field) if text.is_empty() => {
                 return Err(format!("`{field}` of `{name}` has no documentation"));
