@@ -282,7 +282,7 @@ fn work(solution: &Solution) -> String {
     format!(
         "counts        {}, {} + {}, {}, {}\nCPU time      {}\n",
         counted(counts.programs, "program"),
-        counts.relaxed_iterations,
+        counts.global_iterations,
         counted(counts.iterations, "interior point iteration"),
         counted(counts.factorizations, "factorization"),
         counted(counts.repairs, "repair"),

@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 solution.horizon,
                 solution.stationarity.name(),
                 solution.counts.programs,
-                solution.counts.relaxed_iterations,
+                solution.counts.global_iterations,
                 solution.counts.iterations,
                 solution.seconds.total
             );

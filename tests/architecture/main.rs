@@ -209,7 +209,7 @@ fn planted_long_functions_and_structs_are_found() {
 const SEARCHES: [&str; 4] = ["words", "search", "solve", "global"];
 const TUNING: &str = "runtime/src/ocp/tuning.rs";
 /// How many constants steer the search.
-const CONSTANTS: usize = 171;
+const CONSTANTS: usize = 175;
 
 #[test]
 fn constants_of_the_search_stand_in_one_file_and_are_counted() {

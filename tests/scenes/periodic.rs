@@ -25,7 +25,7 @@ fn what_is_remembered_of_the_start_is_a_variable_each_and_nothing_where_nothing_
     let variables = |goals: &str| {
         let scene = of_text("scene.hang", &shaken(goals, "2")).expect("no mistakes");
         let sizes = program_sizes(&scene, &Problem::of(&scene, 10), &Settings::default());
-        sizes.expect("accepted")[0].size().variables
+        sizes.expect("accepted")[1].size().variables
     };
     let plain = variables("x == 0 [m], dot(x) == 0 [m/s]");
     assert_eq!(variables("x == start(x), dot(x) == 0 [m/s]"), plain + 1);

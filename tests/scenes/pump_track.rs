@@ -251,7 +251,7 @@ fn fine_grid_takes_its_contact_sequence_from_a_coarse_one() {
     // 8, 10, 12, 15, 20, 24, 30, 40, 60, 120 to the fine one. Measured: 3 % more (11832 and 3435 iterations), as switches are tried at the
     // ends of the intervals of each grid; 4 grids for 3 are the bound.
     let total =
-        |solution: &Solution| solution.counts.relaxed_iterations + solution.counts.iterations;
+        |solution: &Solution| solution.counts.global_iterations + solution.counts.iterations;
     assert!(
         total(&fine) < 4 * total(&coarse),
         "{} against {}",

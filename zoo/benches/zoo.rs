@@ -177,7 +177,7 @@ fn run(scene: &Scene, (intervals, way): (usize, &str), solution: &Solution) -> R
             f64::INFINITY
         },
         gap: f64::INFINITY,
-        iterations: solution.counts.iterations + solution.counts.relaxed_iterations,
+        iterations: solution.counts.iterations + solution.counts.global_iterations,
         seconds: solution.seconds.total,
         status: solution.status,
     }

@@ -159,7 +159,7 @@ fn gradient(gradient: &OptimumGradient) -> Object {
 /// What a solve took, counted.
 fn counts(solution: &Solution) -> Object {
     let counts = &solution.counts;
-    let all = counts.relaxed_iterations + counts.iterations;
+    let all = counts.global_iterations + counts.iterations;
     Object::default()
         // Iterations of the interior point method in all phases.
         .with("interior_point", all)
@@ -171,8 +171,8 @@ fn counts(solution: &Solution) -> Object {
         .with("factorizations", counts.factorizations)
         // Programs that were solved.
         .with("programs", counts.programs)
-        // The share of `interior_point` in relaxed complementarity programs.
-        .with("relaxed", counts.relaxed_iterations)
+        // The share of `interior_point` that looked for which contacts happen.
+        .with("contact_implicit", counts.global_iterations)
         // Changes of the contact sequence that improved the objective.
         .with("repairs", counts.repairs)
 }

@@ -40,7 +40,7 @@ impl<'o> Watch<'o> {
         restores: usize,
     ) {
         self.restores = restores;
-        self.before = counts.relaxed_iterations + counts.iterations;
+        self.before = counts.global_iterations + counts.iterations;
         self.progress.step = step;
         self.progress.programs = counts.programs;
         self.progress.best = best;

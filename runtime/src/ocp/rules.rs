@@ -38,7 +38,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 20] = [
+pub const RULES: [Rule; 22] = [
     rule(
         Source,
         "sample",
@@ -52,6 +52,11 @@ pub const RULES: [Rule; 20] = [
     rule(Source, "ride", "The motion without controls."),
     rule(Source, "empty", "No switch at all."),
     rule(Source, "steps", "Steps of feet that stand at the start."),
+    rule(
+        Source,
+        "contact-implicit",
+        "The motion of a complementarity problem with Euler steps.",
+    ),
     rule(
         Source,
         "redraw",
@@ -101,6 +106,11 @@ pub const RULES: [Rule; 20] = [
         "Switches that press on an end of their interval moved through it.",
     ),
     rule(Basin, "shortened", "Without the last switch."),
+    rule(
+        Basin,
+        "sliding-moved",
+        "Changes of friction an interval earlier and later.",
+    ),
     rule(
         Basin,
         "at-nodes",

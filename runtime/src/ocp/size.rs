@@ -2,6 +2,8 @@
 
 use super::collocation::discretization::{Setting, parabolas};
 use super::collocation::transcribe::transcribe;
+use super::global::coarse_to_fine::refined_elements;
+use super::global::contact_implicit::ContactImplicit;
 use super::global::guess::guess;
 use super::global::start_modes::modes_at_start;
 use super::global::time_freezing::TimeFreezing;
@@ -23,8 +25,9 @@ use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::{FormulationSize, InputError};
 use crate::size::kernels;
 
-/// The sizes of the programs that [`solve`](super::solve) makes of a problem under `settings`: the collocation
-/// with the contact sequence of the ride without controls, or the program of the time-freezing formulation.
+/// The sizes of the programs that [`solve`](super::solve) makes of a problem under `settings`: the refined
+/// contact-implicit program and the collocation with the contact sequence of the ride without controls, or the program of
+/// the time-freezing formulation.
 ///
 /// # Errors
 /// [`InputError`] if problem or settings are refused.
@@ -125,6 +128,17 @@ fn phases(
     let scene = (model, problem);
     let setting = Setting::new(scene, settings, (&tableau, &units), (bounds, &parabolas));
     let declaration = model.declaration();
+    let per_interval = refined_elements(settings, problem.intervals);
+    let coarse = ContactImplicit::new(setting, per_interval, &guessed);
+    let contact_implicit = FormulationSize {
+        formulation: "optimal control, contact-implicit program".to_owned(),
+        discretization: format!(
+            "implicit Euler, {} intervals x {per_interval} elements",
+            problem.intervals
+        ),
+        groups: groups(&coarse.program, declaration),
+        kernels: called(model, &["path_", "terminal_", "impact_"]),
+    };
     let ridden = simulated(setting, &guessed, settings.replay_tolerance)?;
     let sequence = Sequence::without_switches(modes_at_start(setting, &guessed));
     let sequence = with_passages(model, sequence, &guessed, false);
@@ -149,5 +163,5 @@ fn phases(
         groups: groups(&fine.program, declaration),
         kernels: called(model, &["path_", "terminal_", "impact_"]),
     };
-    Ok(vec![collocation])
+    Ok(vec![contact_implicit, collocation])
 }

@@ -178,9 +178,9 @@ pub struct Improvement {
 pub struct Counts {
     /// Programs solved.
     pub programs: usize,
-    /// Interior point iterations of relaxed complementarity programs, of the time-freezing formulation alone.
-    pub relaxed_iterations: usize,
-    /// Interior point iterations of all other programs.
+    /// Interior point iterations of the global phase.
+    pub global_iterations: usize,
+    /// Interior point iterations of the collocation programs.
     pub iterations: usize,
     /// Factorizations of all programs.
     pub factorizations: usize,
@@ -192,7 +192,7 @@ impl Counts {
     /// Adds the work of another run.
     pub(in crate::ocp) fn add(&mut self, other: &Self) {
         self.programs += other.programs;
-        self.relaxed_iterations += other.relaxed_iterations;
+        self.global_iterations += other.global_iterations;
         self.iterations += other.iterations;
         self.factorizations += other.factorizations;
         self.repairs += other.repairs;

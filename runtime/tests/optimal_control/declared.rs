@@ -438,9 +438,9 @@ fn previous_motion_is_a_start_for_a_neighbouring_problem() {
         from_nothing.objective,
         first.objective
     );
-    assert_eq!(warm.counts.relaxed_iterations, 0);
+    assert_eq!(warm.counts.global_iterations, 0);
     let nothing = from_nothing.counts;
-    let all = nothing.relaxed_iterations + nothing.iterations;
+    let all = nothing.global_iterations + nothing.iterations;
     assert!(warm.counts.iterations < all, "{:?} {all}", warm.counts);
     // With more intervals the effort falls; the sequence carries over.
     let finer = solve(&heavier, 4, &settings);

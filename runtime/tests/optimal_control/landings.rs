@@ -76,7 +76,7 @@ fn landing_that_bounces_for_a_moment_is_confirmed() {
 hangtime::model! {
     /// A ball that is to come to rest on the floor in time.
     Settling {
-        parameters { g: m/s^2 = 10, e = 0.6, height: m = 0.3 }
+        parameters { g: m/s^2 = 10, e = 0.6, height: m = 0.3, within: s = 1 }
         coordinates { z: m }
         controls { u: N in -9..=9 }
         lagrangian 1[kg]/2*dot(z)^2 - 1[kg]*g*z
@@ -86,18 +86,36 @@ hangtime::model! {
         minimize integral(u^2)
         finally { z == 0, dot(z) == 0 }
         start { z: height }
-        horizon 1 [s]
+        horizon within
     }
 }
 
 #[test]
 fn ball_has_as_much_time_to_come_to_rest_as_its_bounces_take() {
+    let solve = |ball: &Settling| {
+        let problem = Problem::of(ball, 1);
+        solve_with(ball, &problem, &Default::default(), &mut |_| true).unwrap()
+    };
     // A fall of 0.245 s and bounces of 2 e/(1 - e) = 3 times that: by itself it rests after 0.98 s.
     let ball = Settling::default();
-    let problem = Problem::of(&ball, 1);
-    let solution = solve_with(&ball, &problem, &Default::default(), &mut |_| true).unwrap();
+    let solution = solve(&ball);
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
     assert!(solution.objective < 1e-9, "{}", solution.objective);
+    // In 0.9 s it has to fall faster, with g + u = 2 h/(0.9 s/4)^2.
+    let hasty = Settling {
+        within: 0.9,
+        ..Settling::default()
+    };
+    let solution = solve(&hasty);
+    let force = 0.6 / 0.225_f64.powi(2) - 10.0;
+    let effort = 0.9 * force * force;
+    assert!(
+        (solution.objective - effort).abs() < 1e-6 * effort,
+        "{}",
+        solution.objective
+    );
+    // It is the goal that it rests by then, and no plan may let it bounce on.
+    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
 }
 
 hangtime::model! {
@@ -120,7 +138,7 @@ hangtime::model! {
 #[test]
 fn ball_that_may_bounce_on_a_little_needs_less_than_one_that_has_to_rest() {
     let solution = solve(&NearlySettling::default(), 1, &one_start());
-    // To rest within 0.9 s it has to fall with g + u = 2 h/(0.9 s/4)^2.
+    // Rest within 0.9 s takes the force of `ball_has_as_much_time_to_come_to_rest_as_its_bounces_take`.
     let force = 0.6 / 0.225_f64.powi(2) - 10.0;
     let resting = 0.9 * force * force;
     assert!(solution.objective < resting / 5.0, "{}", solution.objective);

@@ -62,6 +62,6 @@ fn model_that_is_finite_at_no_guess_is_refused() {
     let problem = Problem::of(&model, 10);
     let refused = solve(&model, &problem, &Default::default(), &mut |_| true);
     let message = refused.unwrap_err().to_string();
-    assert!(message.contains("d`y`/dt"), "{message}");
+    assert!(message.contains("force on `y`"), "{message}");
     assert!(message.contains("not finite"), "{message}");
 }

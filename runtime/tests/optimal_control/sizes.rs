@@ -223,9 +223,10 @@ const FLIGHT: &str = "simulation, element, free flight";
 const HELD: &str = "simulation, element, `floor` holds";
 const HELD_FROZEN: &str = "simulation, time-freezing element, `floor` holds";
 const STEP: &str = "simulation, time-freezing, program of a step";
+const COARSE: &str = "optimal control, contact-implicit program";
 const FINE: &str = "optimal control, collocation";
 const FROZEN: &str = "optimal control, time-freezing program";
-const ALL: [&str; 6] = [FLIGHT, HELD, HELD_FROZEN, STEP, FINE, FROZEN];
+const ALL: [&str; 7] = [FLIGHT, HELD, HELD_FROZEN, STEP, COARSE, FINE, FROZEN];
 
 /// Groups that every scene with contacts may have.
 const COMMON: [&str; 9] = [
@@ -256,6 +257,7 @@ fn force_adds_a_variable_and_an_equation_at_each_stage_of_its_contact() {
         (FORCES, [25, 25, 0, 0, 94, 4]),
     ];
     assert_eq!(added(&pressed, FINE, FINE), more);
+    assert_eq!(added(&pressed, COARSE, COARSE), []);
     let kernels = ["path_functions", "path_jacobian", "path_hessian"];
     assert_eq!(added_kernels(&pressed), kernels);
     // The program of the time-freezing system leaves forces out, and conditions on them.
@@ -271,6 +273,7 @@ fn impulses_add_a_sum_and_a_condition_an_impact() {
         (FORCES, [1, 1, 0, 0, 2, 0]),
     ];
     assert_eq!(added(&struck, FINE, FINE), more);
+    assert_eq!(added(&struck, COARSE, COARSE), []);
     let kernels = ["impact_functions", "impact_jacobian", "impact_hessian"];
     assert_eq!(added_kernels(&struck), kernels);
 }
@@ -328,6 +331,11 @@ fn friction_adds_its_own_groups_and_nothing_else() {
         added(&rough, STEP, STEP),
         [(FRICTION, [48, 30, 0, 15, 214, 36])]
     );
+    // Four variables, two equations and two pairs in each of 96 elements.
+    assert_eq!(
+        added(&rough, COARSE, COARSE),
+        [(FRICTION, [384, 192, 0, 192, 960, 0])]
+    );
     // The contact slips at all of its 20 stages.
     assert_eq!(
         added(&rough, FINE, FINE),
@@ -351,6 +359,10 @@ fn control_adds_one_variable_an_interval_and_no_equation() {
     for name in [FLIGHT, HELD, HELD_FROZEN, STEP] {
         assert_eq!(added(&driven, name, name), [], "{name}");
     }
+    assert_eq!(
+        added(&driven, COARSE, COARSE),
+        [(CONTROL, [6, 0, 0, 0, 96, 0])]
+    );
     assert_eq!(added(&driven, FINE, FINE), [(CONTROL, [6, 0, 0, 0, 28, 2])]);
     assert_eq!(
         added(&driven, FROZEN, FROZEN),
@@ -370,6 +382,11 @@ fn second_contact_adds_what_the_first_one_takes_and_products_of_step_functions()
             "{name}"
         );
     }
+    let more = [
+        (CONTACT_FORCE, [96, 0, 0, 0, 192, 0]),
+        (GAP, [96, 96, 0, 96, 192, 0]),
+    ];
+    assert_eq!(added(&walled, COARSE, COARSE), more);
     // Its gap at 28 stages.
     assert_eq!(added(&walled, FINE, FINE), [(GAP, [0, 0, 28, 0, 28, 0])]);
     // Where step functions appear in products, their entries belong to those.
@@ -397,7 +414,7 @@ fn second_contact_adds_what_the_first_one_takes_and_products_of_step_functions()
 #[test]
 fn restitution_adds_variables_to_the_programs_of_time_freezing_only() {
     let bouncing = Bouncing::default();
-    for name in [FLIGHT, HELD, HELD_FROZEN] {
+    for name in [FLIGHT, HELD, HELD_FROZEN, COARSE] {
         assert_eq!(added(&bouncing, name, name), [], "{name}");
     }
     // Another element: before, fall, rise, after. Two variables a stage and four sums an element.
@@ -433,6 +450,10 @@ fn explicit_time_adds_a_variable_where_no_clock_is_known() {
     ];
     assert_eq!(added(&timed, FROZEN, FROZEN), more);
     assert_eq!(
+        added(&timed, COARSE, COARSE),
+        [(EXPLICIT_TIME, [96, 96, 0, 0, 192, 0])]
+    );
+    assert_eq!(
         added(&timed, FINE, FINE),
         [(EXPLICIT_TIME, [28, 28, 0, 0, 68, 8])]
     );
@@ -466,6 +487,10 @@ fn free_final_time_adds_one_variable() {
         assert_eq!(added(&timeless, name, name), [], "{name}");
     }
     let goal = (GOAL, [0, 1, 0, 0, 1, 0]);
+    assert_eq!(
+        added(&timeless, COARSE, COARSE),
+        [goal, (FINAL_TIME, [1, 0, 0, 0, 384, 288])]
+    );
     assert_eq!(
         added(&timeless, FINE, FINE),
         [goal, (FINAL_TIME, [1, 0, 0, 0, 81, 40])]

@@ -201,6 +201,11 @@ fn sizes_of_all_scenes_are_classified_and_those_of_the_pump_track_stand_beside_p
             .iter()
             .all(|share| *share <= 0.6)
     );
+    assert!(
+        shares(radau, "contact-implicit program")
+            .iter()
+            .all(|share| *share <= 0.6)
+    );
     // That of the publication is as large as there.
     assert_eq!(shares(gauss, "time-freezing program")[0], 1.0);
     assert_eq!(shares(radau, "time-freezing program")[0], 1.0);

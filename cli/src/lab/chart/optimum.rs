@@ -159,7 +159,7 @@ pub(super) fn chart(
                 stationarity: solution.stationarity.name(),
                 objective: solution.objective,
                 distance: solution.resimulation_error,
-                iterations: solution.counts.relaxed_iterations + solution.counts.iterations,
+                iterations: solution.counts.global_iterations + solution.counts.iterations,
                 seconds: solution.seconds.total,
             });
             progress.reach(runs.len() as f64);

@@ -120,7 +120,11 @@ pub(in crate::ocp) fn push(
 }
 
 /// The velocities that the direction of a tangential force reads: those of switches alone.
-fn direction_reads<'v>(model: &dyn Model, contact: usize, v: &'v [usize]) -> &'v [usize] {
+pub(in crate::ocp) fn direction_reads<'v>(
+    model: &dyn Model,
+    contact: usize,
+    v: &'v [usize],
+) -> &'v [usize] {
     match model.declaration().contacts[contact].switch {
         Some(_) => v,
         None => &[],
@@ -304,6 +308,7 @@ mod tests {
     use crate::ocp::collocation::layout::{Cut, CutKind};
     use crate::ocp::collocation::test_scene::with_setting;
     use crate::ocp::collocation::transcribe::transcribe;
+    use crate::ocp::global::contact_implicit::ContactImplicit;
     use crate::ocp::motion::control_grid::ControlShape;
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::Problem;
@@ -488,6 +493,12 @@ mod tests {
             phase: (phase, 3),
             theta: 0.3,
             kind,
+        });
+        let with = (ControlShape::Constant, 3, Guess::Perturbed(3));
+        with_setting((model, &problem), with, |setting, guessed| {
+            let mut coarse = ContactImplicit::new(setting, 2, guessed);
+            let compared = check_derivatives(&mut coarse.program, None).unwrap();
+            assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
         });
         for shape in [ControlShape::Constant, ControlShape::Linear] {
             let with = (shape, 3, Guess::Perturbed(3));

@@ -98,6 +98,7 @@ mod tests {
     use crate::ocp::collocation::discretization::{Lengths, Span};
     use crate::ocp::collocation::layout::CutKind;
     use crate::ocp::collocation::test_scene::{self, Demanding};
+    use crate::ocp::global::contact_implicit::ContactImplicit;
     use crate::ocp::motion::control_grid::ControlShape;
     use crate::ocp::motion::sequence::Place;
     use crate::ocp::problem::{Horizon, Problem};
@@ -237,13 +238,13 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_agree_with_differences() {
+    fn derivatives_of_both_programs_agree_with_differences() {
         for shape in [ControlShape::Constant, ControlShape::Linear] {
-            with_setting(shape, check);
+            with_setting(shape, check_both);
         }
         with_setting(ControlShape::Constant, |setting, guessed| {
             let lengths = Lengths::Free;
-            check(Setting { lengths, ..setting }, guessed);
+            check_both(Setting { lengths, ..setting }, guessed);
         });
     }
 
@@ -296,7 +297,10 @@ mod tests {
         });
     }
 
-    fn check(setting: Setting, guessed: &Trajectory) {
+    fn check_both(setting: Setting, guessed: &Trajectory) {
+        let mut coarse = ContactImplicit::new(setting, 2, guessed);
+        let compared = check_derivatives(&mut coarse.program, None).unwrap();
+        assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
         let sequence = sequence(&[
             switch(true, 0, Place::Inside, 0.4),
             switch(false, 0, Place::Inside, 0.8),

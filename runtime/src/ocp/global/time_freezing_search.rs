@@ -118,7 +118,7 @@ pub(in crate::ocp) fn solve_exactly(
     interior_point.bound_push = PUSH * BARRIER;
     interior_point.bound_fraction = PUSH * BARRIER;
     interior_point.maximum_iterations = EXACT_ITERATIONS;
-    let before = runner.counts.relaxed_iterations;
+    let before = runner.counts.global_iterations;
     let mut ended = Err(nlp::Status::IterationLimit);
     for tolerance in EXACT {
         interior_point.tolerance = tolerance;
@@ -127,7 +127,7 @@ pub(in crate::ocp) fn solve_exactly(
             break;
         }
     }
-    report.iterations += runner.counts.relaxed_iterations - before;
+    report.iterations += runner.counts.global_iterations - before;
     if let Ok(solution) = ended {
         report.status = mpcc::Status::Uncertified;
         report.objective = solution.objective;
@@ -210,7 +210,7 @@ fn sequence(
         per_interval: settings.elements_of(model),
         ends: motion.time.iter().map(|time| time / interval).collect(),
     };
-    let mut read = of_elements(modes_at_start(setting, trajectory), &elements);
+    let mut read = of_elements(modes_at_start(setting, trajectory), &elements, 0.0);
     add_returns(&mut read, motion, &elements);
     let bounces = |contact| model.restitution(contact) > 0.0;
     let read = touching_for_less_than(&read, BOUNCE, bounces).unwrap_or(read);

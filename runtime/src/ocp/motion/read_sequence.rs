@@ -196,9 +196,14 @@ pub(in crate::ocp) struct Elements {
     pub(in crate::ocp) ends: Vec<f64>,
 }
 
-/// Reads the sequence, without passages of edges, from the modes of the contacts in the elements. Each switch is at
-/// the end of the element before.
-pub(in crate::ocp) fn of_elements(initially: Vec<ContactMode>, elements: &Elements) -> Sequence {
+/// Reads the sequence, without passages of edges, from the modes of the contacts in the elements. A contact closes, and stops sliding, at the share
+/// `closing` of the first element in which it does; it opens, and begins to slide, at the end of the last element
+/// before.
+pub(in crate::ocp) fn of_elements(
+    initially: Vec<ContactMode>,
+    elements: &Elements,
+    closing: f64,
+) -> Sequence {
     let Elements {
         modes,
         per_interval,
@@ -221,9 +226,11 @@ pub(in crate::ocp) fn of_elements(initially: Vec<ContactMode>, elements: &Elemen
             let start = element.checked_sub(1).map_or(0.0, |before| ends[before]);
             let closes = was.is_open();
             let released = is.is_open() || was == ContactMode::Stick;
+            let shift = if released { 0.0 } else { closing };
             let interval = element / per_interval;
             let at_jump = released && element % per_interval == 0 && element > 0;
-            let slides = |s: &Switch| s.slides() && s.time == start;
+            let time = start + shift * (ends[element] - start);
+            let slides = |s: &Switch| s.slides() && s.time == time;
             switches.push(Switch {
                 contact,
                 closes,
@@ -234,7 +241,7 @@ pub(in crate::ocp) fn of_elements(initially: Vec<ContactMode>, elements: &Elemen
                 accompanies: !closes && !is.is_open() && switches.iter().any(slides),
                 interval,
                 place: if at_jump { Place::Start } else { Place::Inside },
-                time: start,
+                time,
             });
         }
         before = now;
@@ -369,13 +376,13 @@ mod tests {
     }
 
     #[test]
-    fn contact_of_elements_closes_and_opens_at_ends_of_elements() {
+    fn contact_of_elements_closes_inside_one_and_opens_at_the_end_of_one() {
         use ContactMode::{Frictionless, Open};
         // Four elements in two intervals: closed in the second and third one.
         let elements = elements(&[Open, Frictionless, Frictionless, Open], 2);
-        let sequence = of_elements(vec![Open], &elements);
+        let sequence = of_elements(vec![Open], &elements, 0.5);
         let times: Vec<f64> = sequence.switches.iter().map(|s| s.time).collect();
-        assert_eq!(times, [0.5, 1.5]);
+        assert_eq!(times, [0.75, 1.5]);
         let places: Vec<(usize, Place)> = sequence
             .switches
             .iter()
@@ -389,7 +396,7 @@ mod tests {
     fn contact_that_opens_between_intervals_opens_at_the_jump_of_the_controls() {
         use ContactMode::{Frictionless, Open};
         let elements = elements(&[Frictionless, Frictionless, Open, Open], 2);
-        let sequence = of_elements(vec![Frictionless], &elements);
+        let sequence = of_elements(vec![Frictionless], &elements, 0.5);
         let opening = sequence.switches[0];
         assert_eq!(
             (opening.time, opening.interval, opening.place),
@@ -400,7 +407,7 @@ mod tests {
     #[test]
     fn contact_at_rest_that_slips_in_the_first_element_slips_from_the_start() {
         let slips = ContactMode::Slip(Direction::Backward);
-        let sequence = of_elements(vec![ContactMode::Stick], &elements(&[slips, slips], 1));
+        let sequence = of_elements(vec![ContactMode::Stick], &elements(&[slips, slips], 1), 0.5);
         assert_eq!(sequence.initially, [slips]);
         assert!(sequence.switches.is_empty());
     }

@@ -188,7 +188,7 @@ impl<'s> Runner<'s> {
         let mut solution = mpcc::solve_observed(program, settings, &mut observer)
             .map_err(|error| refused(&mut self.refusal, &error))?;
         self.counts.programs += 1;
-        self.counts.relaxed_iterations += solution.iterations;
+        self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
         self.seconds += solution.cpu;
         if let mpcc::Status::Failed(status) = solution.status {
@@ -210,7 +210,7 @@ impl<'s> Runner<'s> {
         let solution = nlp::solve_from(program, settings, None, Some(&mut observer))
             .map_err(|error| refused(&mut self.refusal, &error))?;
         self.counts.programs += 1;
-        self.counts.relaxed_iterations += solution.counts.iterations;
+        self.counts.global_iterations += solution.counts.iterations;
         self.counts.factorizations += solution.counts.factorizations;
         self.seconds += solution.cpu;
         match solution.status {

@@ -102,6 +102,36 @@ fn endings(pressure: &Pressure) -> Option<Sequence> {
     inserted(pressure, &changes, Place::Inside, end)
 }
 
+/// Sequences with a slip or an opening that begins at a jump of the controls earlier or later by an interval. The force
+/// of a contact is often as constant as the controls, and seldom lets it go between two jumps, so that no multiplier
+/// tells at which of them it should.
+pub(in crate::ocp) fn shifted(pressure: &Pressure) -> Vec<Sequence> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for (index, switch) in switches.iter().enumerate() {
+        let sticks = pressure.sequence.mode_before(index, switch.contact) == ContactMode::Stick;
+        let jumps = switch.place == Place::Start && !switch.accompanies;
+        if !jumps || !(switch.opens() || sticks && switch.slides()) {
+            continue;
+        }
+        let group = index..=index + Sequence::companions(switches, index).len();
+        for interval in [switch.interval - 1, switch.interval + 1] {
+            let mut sequence = pressure.sequence.clone();
+            if interval == 0 {
+                for member in sequence.switches.drain(group.clone()) {
+                    sequence.initially[member.contact] = member.mode;
+                }
+            } else {
+                for member in &mut sequence.switches[group.clone()] {
+                    (member.interval, member.time) = (interval, interval as f64);
+                }
+            }
+            found.extend(sequence.ordered(pressure.intervals));
+        }
+    }
+    found
+}
+
 /// With a slip in the place of a stick whose force is held in the cone, or before it: a contact that has just come to rest
 /// is pulled on or back.
 fn turned(pressure: &Pressure) -> Vec<Neighbour> {

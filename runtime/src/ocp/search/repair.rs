@@ -125,8 +125,9 @@ type Basins = fn(&Pressure) -> Vec<Sequence>;
 
 /// Sequences in other basins, by the rules of the search that are followed; those of the whole motion where it may be the result.
 fn basins(pressure: &Pressure, settings: &Settings, proves: bool) -> Vec<Sequence> {
-    let rules: [(&str, Basins); 3] = [
+    let rules: [(&str, Basins); 4] = [
         ("shortened", neighbours::shortened),
+        ("sliding-moved", friction_neighbours::shifted),
         ("at-nodes", at_nodes),
         ("all-at-once", all_at_once),
     ];

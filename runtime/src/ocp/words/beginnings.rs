@@ -1,10 +1,11 @@
 //! Words to begin with: of simulated motions under random controls and under policies, of what they begin with, of the ride without
-//! controls, of steps, and the one without switches.
+//! controls, of steps, of a contact-implicit program, and the one without switches.
 
 use super::library::Library;
 use super::off_grid::Goals;
 use super::word::Draft;
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::global::coarse_to_fine::CoarseToFine;
 use crate::ocp::global::guess::{guess, uniform};
 use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::motion::candidate::Candidate;
@@ -20,6 +21,9 @@ use crate::ocp::tuning::beginnings::{
     CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEP, STEPS, TRIES, WORDS,
 };
 use crate::simulation::{ContactMode, InputError};
+
+/// The source whose words come from a contact-implicit program.
+const IMPLICIT: &str = "contact-implicit";
 
 /// A word to begin with, and the motion that it is of.
 pub(in crate::ocp) struct Beginning {
@@ -96,6 +100,14 @@ pub(in crate::ocp) fn beginnings(
         add(&mut found, (draft, guessed.clone()), "steps");
     }
     found.retain(|beginning| runner.settings.uses(beginning.source));
+    if runner.settings.uses(IMPLICIT)
+        && let Some((draft, motion)) = implicit(runner, setting, guessed)?
+    {
+        library.learn(&draft.word);
+        if draft.word.phases() <= MOST_PHASES {
+            add(&mut found, (draft, motion), IMPLICIT);
+        }
+    }
     let begun = Begun {
         words: found,
         library,
@@ -116,6 +128,18 @@ fn add_beginnings(found: &mut Vec<Beginning>, drafts: &[(Draft, Trajectory)], ph
             count += 1;
         }
     }
+}
+
+/// The word of the first motion of contact-implicit programs around a guess.
+fn implicit(
+    runner: &mut Runner,
+    setting: Setting,
+    guess: &Trajectory,
+) -> Result<Option<(Draft, Trajectory)>, InputError> {
+    let failure = runner.take_failure();
+    let candidate = CoarseToFine::new(setting, guess).next(runner)?;
+    runner.restore_failure(failure, true);
+    Ok(candidate.map(|candidate| read(setting, candidate)))
 }
 
 /// Steps of feet of which two or more stand at first, which random controls never take and no edit of a jump leads to: of each alone, of two
