@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-/// Most iterations: they converge cubically, in a few a column.
+/// Most iterations. Chosen: they converge cubically, in a few a column.
 const ITERATIONS: usize = 10_000;
 
 /// `A = U S V'`, by columns.
