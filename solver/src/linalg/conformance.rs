@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use super::{Inertia, MultifrontalLdl, RefinedSolver, SymmetricPattern};
 
 /// Deterministic pseudo-random numbers in (-1, 1).
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6364136223846793005)

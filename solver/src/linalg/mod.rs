@@ -9,7 +9,7 @@
 //! gained nothing as a setting of the solver (`docs/experiments/solver.md`).
 
 #[cfg(test)]
-mod conformance;
+pub(crate) mod conformance;
 mod factorization;
 mod multifrontal;
 pub(crate) mod norms;

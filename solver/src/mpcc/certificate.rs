@@ -1,6 +1,7 @@
 //! What kind of stationary point a feasible point is.
 
 use super::Mpcc;
+use super::branch_and_cut::{End, PairedProgram};
 use super::linear_program::{LinearProgram, Outcome};
 use super::parts::{Part, let_go, of_part, parts};
 use super::watch::Watch;
@@ -278,7 +279,7 @@ impl<'a> Certifier<'a> {
         let let_go = let_go(&mut program, FAR);
         certificate.programs = 1;
         let d = match program.solve_below(-self.least, watch) {
-            Outcome::Solution(d, value) if value < -self.least => d,
+            Outcome::Solution(d, value, _) if value < -self.least => d,
             Outcome::Failed => {
                 certificate.b_stationary = None;
                 return;
@@ -297,16 +298,16 @@ impl<'a> Certifier<'a> {
             if share >= -self.least {
                 continue;
             }
-            match self.search_part(&of_part(&program, &part), &part, own, certificate, watch) {
-                Some(Some(own)) => {
+            match self.search_part(of_part(&program, &part), &part, own, certificate, watch) {
+                End::Point(own) => {
                     for (&i, d) in part.variables.iter().zip(&own) {
                         direction[i] = *d;
                     }
                     certificate.b_stationary = Some(false);
                 }
-                Some(None) => {}
-                None if certificate.b_stationary == Some(false) => {}
-                None => certificate.b_stationary = None,
+                End::Absent => {}
+                End::Open if certificate.b_stationary == Some(false) => {}
+                End::Open => certificate.b_stationary = None,
             }
         }
         if certificate.b_stationary == Some(false) {
@@ -316,16 +317,15 @@ impl<'a> Certifier<'a> {
         }
     }
 
-    /// A descent direction of a part, from one of its program without the pairs; `Some(None)` where it is proved that there is none.
+    /// A descent direction of a part, from one of its program without the pairs.
     fn search_part(
         &self,
-        whole: &LinearProgram,
+        whole: LinearProgram,
         part: &Part,
         first: Vec<f64>,
         certificate: &mut Certificate,
         watch: &mut Watch<'_>,
-    ) -> Option<Option<Vec<f64>>> {
-        let mut program = whole.clone();
+    ) -> End {
         // the sides that the program without the pairs leaves the smaller ones come first: most descents keep them
         let smaller = |&(i, j): &(usize, usize)| {
             if first[i] - whole.lower[i] <= first[j] - whole.lower[j] {
@@ -335,49 +335,16 @@ impl<'a> Certifier<'a> {
             }
         };
         let nearest: Vec<usize> = part.pairs.iter().map(smaller).collect();
-        let mut open = vec![(Vec::new(), Some(first)), (nearest, None)];
-        let (mut programs, mut is_proved) = (0, true);
-        while let Some((decided, known)) = open.pop() {
-            if programs >= MOST_PROGRAMS || watch.stop.is_some() {
-                return None;
-            }
-            program.upper.copy_from_slice(&whole.upper);
-            for &side in &decided {
-                program.upper[side] = program.lower[side];
-            }
-            let d = match known {
-                Some(d) => d,
-                None => {
-                    programs += 1;
-                    certificate.programs += 1;
-                    match program.solve_below(-self.least, watch) {
-                        Outcome::Solution(d, value) if value < -self.least => d,
-                        Outcome::Failed => {
-                            is_proved = false;
-                            continue;
-                        }
-                        _ => continue,
-                    }
-                }
-            };
-            let off = |i: usize| d[i] - program.lower[i];
-            let least = |&(i, j): &(usize, usize)| off(i).min(off(j));
-            let violated = part
-                .pairs
-                .iter()
-                .max_by(|a, b| least(a).total_cmp(&least(b)));
-            match violated.filter(|pair| least(pair) > NONE) {
-                None => return Some(Some(d)),
-                Some(&(i, j)) => {
-                    for side in [i, j] {
-                        let mut child = decided.clone();
-                        child.push(side);
-                        open.push((child, None));
-                    }
-                }
-            }
-        }
-        is_proved.then_some(None)
+        let mut search = PairedProgram {
+            program: whole,
+            pairs: &part.pairs,
+            limit: -self.least,
+            programs: 0,
+            most_programs: MOST_PROGRAMS,
+        };
+        let end = search.search(vec![(Vec::new(), Some(first)), (nearest, None)], watch);
+        certificate.programs += search.programs;
+        end
     }
 
     /// Multipliers of rows and variables that prove a point whose own are too rough to be stationary in its branch, with

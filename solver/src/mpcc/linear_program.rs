@@ -31,8 +31,8 @@ pub(crate) struct LinearProgram {
 /// What became of a program.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Outcome {
-    /// Solution and value.
-    Solution(Vec<f64>, f64),
+    /// Solution, value, and multipliers of the rows.
+    Solution(Vec<f64>, f64, Vec<f64>),
     /// The value is proved to be at least what was asked for, or there is no point; by these multipliers of the rows.
     Above(Vec<f64>),
     /// Neither was found.
@@ -51,10 +51,21 @@ const FRACTION: f64 = 0.995;
 const LEAST_DISTANCE: f64 = 1e-15;
 
 impl LinearProgram {
+    /// Adds a row between two bounds.
+    pub(crate) fn add_row(&mut self, (lower, upper): (f64, f64), entries: &[(usize, f64)]) {
+        let row = self.row_lower.len();
+        for &(k, value) in entries {
+            self.pattern.push((row, k));
+            self.values.push(value);
+        }
+        self.row_lower.push(lower);
+        self.row_upper.push(upper);
+    }
+
     /// Solution and value; `None` if there is none or none was found.
     pub(crate) fn solve(&self, watch: &mut Watch<'_>) -> Option<(Vec<f64>, f64)> {
         match self.solve_below(f64::INFINITY, watch) {
-            Outcome::Solution(d, value) => Some((d, value)),
+            Outcome::Solution(d, value, _) => Some((d, value)),
             _ => None,
         }
     }
@@ -447,7 +458,7 @@ impl Method {
             // proximal terms leave a little of the rows, which large multipliers would make much of a gap between value and bound
             if violation.max(self.dual_error()).max(average) <= enough {
                 let d = self.w[..self.own].to_vec();
-                return Outcome::Solution(d, self.cost_scale * value);
+                return Outcome::Solution(d, self.cost_scale * value, self.in_program(&y));
             }
             if last {
                 break;
@@ -499,7 +510,7 @@ mod tests {
 
     #[test]
     fn solve_below_dependent_rows_finds_the_vertex() {
-        let Outcome::Solution(d, value) = outcome(&dependent(), f64::INFINITY) else {
+        let Outcome::Solution(d, value, _) = outcome(&dependent(), f64::INFINITY) else {
             panic!("there is a solution");
         };
         assert!(
@@ -555,7 +566,7 @@ mod tests {
     fn solve_below_fixed_variables_keep_their_values() {
         let mut program = dependent();
         (program.lower[0], program.upper[0]) = (0.5, 0.5);
-        let Outcome::Solution(d, value) = outcome(&program, f64::INFINITY) else {
+        let Outcome::Solution(d, value, _) = outcome(&program, f64::INFINITY) else {
             panic!("there is a solution");
         };
         assert_eq!(d[0], 0.5);

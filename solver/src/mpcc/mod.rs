@@ -67,6 +67,7 @@
 //! say why. Iterations, seconds and the observer are those of the whole solve, crossovers and certificates included.
 
 mod branch;
+mod branch_and_cut;
 mod certificate;
 mod crossover;
 mod decided;

@@ -11,6 +11,7 @@
 //! of Kirches, Larson, Leyffer and Manns, SIAM Journal on Optimization 32, 2022).
 
 use super::Mpcc;
+use super::branch_and_cut::{End, PairedProgram};
 use super::certificate::Certifier;
 use super::watch::Watch;
 use crate::nlp;
@@ -22,9 +23,6 @@ const MOST_PROGRAMS: usize = 60;
 /// A pair is undecided where its smaller side is at least this part of the larger one: on the path their product is `sigma`, so
 /// both are within a factor of ten of its root.
 const UNDECIDED: f64 = 1e-2;
-/// Part of the radius up to which a side counts as vanishing.
-const NONE: f64 = 1e-6;
-
 /// The sides that vanish at a feasible point of the linear program, and that point; `None` if none was found.
 pub(crate) fn choose_sides(
     problem: &mut dyn Mpcc,
@@ -44,43 +42,26 @@ pub(crate) fn choose_sides(
         let (i, j) = pairs[k];
         vanishes[if x[i] <= x[j] { i } else { j }] = true;
     }
-    let free = program.upper.clone();
-    let mut open: Vec<Vec<usize>> = vec![Vec::new()];
-    for _ in 0..MOST_PROGRAMS {
-        let sides = open.pop()?;
-        program.upper.copy_from_slice(&free);
-        let fixed = (0..x.len()).filter(|&i| vanishes[i] || sides.contains(&i));
-        for side in fixed {
-            program.upper[side] = program.lower[side];
-        }
-        let Some((d, _)) = program.solve(watch) else {
-            if watch.stop.is_some() {
-                return None;
-            }
-            continue;
-        };
-        let off = |i: usize| d[i] - program.lower[i];
-        let least = |k: usize| off(pairs[k].0).min(off(pairs[k].1));
-        let worst = undecided.iter().copied();
-        let worst = worst.max_by(|&a, &b| least(a).total_cmp(&least(b)));
-        if let Some(worst) = worst.filter(|&k| least(k) > NONE) {
-            let (i, j) = pairs[worst];
-            let (first, last) = if off(i) <= off(j) { (i, j) } else { (j, i) };
-            for side in [last, first] {
-                let mut child = sides.clone();
-                child.push(side);
-                open.push(child);
-            }
-            continue;
-        }
-        for &k in &undecided {
-            let (i, j) = pairs[k];
-            vanishes[if off(i) <= off(j) { i } else { j }] = true;
-        }
-        let point = x.iter().zip(&d).map(|(x, d)| x + RADIUS * d).collect();
-        return Some((vanishes, point));
+    for side in (0..x.len()).filter(|&i| vanishes[i]) {
+        program.upper[side] = program.lower[side];
     }
-    None
+    let undecided: Vec<(usize, usize)> = undecided.into_iter().map(|k| pairs[k]).collect();
+    let mut search = PairedProgram {
+        program,
+        pairs: &undecided,
+        limit: f64::INFINITY,
+        programs: 0,
+        most_programs: MOST_PROGRAMS,
+    };
+    let End::Point(d) = search.search(vec![(Vec::new(), None)], watch) else {
+        return None;
+    };
+    let off = |i: usize| d[i] - search.program.lower[i];
+    for &(i, j) in &undecided {
+        vanishes[if off(i) <= off(j) { i } else { j }] = true;
+    }
+    let point = x.iter().zip(&d).map(|(x, d)| x + RADIUS * d).collect();
+    Some((vanishes, point))
 }
 
 #[cfg(test)]

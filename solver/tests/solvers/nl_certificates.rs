@@ -281,8 +281,8 @@ fn solution_file_has_the_suffixes_and_refused_files_get_one_without_values() {
 }
 
 /// Copies of `min a x + b y - z` where `z <= 6 x`, `z <= 6 y` and `0 <= x` complements `y >= 0`: the solution 0 is B-stationary, and it takes
-/// both branches to see that. Behind them a variable without complementarity, `(w - 3)^2`. Where there is a `most`, a row that never
-/// holds ties all together, `sum x + y + z + w <= most`.
+/// both branches to see that. Behind them a variable without complementarity, `(w - 3)^2`. Where there is a `most`, the row
+/// `sum x + y + z + w <= most` ties all together; beyond the 3 of the solution it never holds.
 fn copies(count: usize, [a, b]: [f64; 2], most: Option<f64>) -> String {
     let n = 3 * count + 1;
     let (mut rows, mut complements) = (Vec::new(), Vec::new());
@@ -317,15 +317,17 @@ fn copies_of_a_program_are_certified_one_by_one() {
         (1, None),
         (12, None),
         (12, Some(7.5)),
+        (9, Some(2.95)),
+        (14, Some(2.98)),
         (30, Some(1e3)),
         (150, None),
     ] {
         let many = solve(&copies(count, price, most));
         assert_eq!(many.status, Status::Solved, "{count}: {many:?}");
         assert_eq!(many.stationarity, Stationarity::B);
-        assert!(many.objective.abs() < 1e-6);
-        let last = many.x.last().unwrap();
-        assert!((last - 3.0).abs() < 1e-6);
+        let last = most.map_or(3.0, |most: f64| most.min(3.0));
+        assert!((many.objective - (last - 3.0).powi(2)).abs() < 1e-6);
+        assert!((many.x.last().unwrap() - last).abs() < 1e-6);
         // as many times the work of one, as much again for a second opinion, and that of the path
         let bound = 2 * count * one.work.iterations + 40;
         let took = many.work.iterations;
