@@ -48,7 +48,7 @@ pub(crate) struct PairedProgram<'p> {
 
 impl PairedProgram<'_> {
     /// Looks at the last of `open` first, and at what is left of it with one side of the pair most violated, the smaller one first.
-    /// As many programs as there are pairs find most points and proofs; beyond them it begins anew, with a cut in the place of
+    /// Twice as many programs as there are pairs find most points and proofs; beyond them it begins anew, with a cut in the place of
     /// branches wherever there is one.
     pub(crate) fn search(&mut self, mut open: Vec<Node>, watch: &mut Watch<'_>) -> End {
         let free = self.program.upper.clone();
@@ -57,7 +57,7 @@ impl PairedProgram<'_> {
             if self.programs >= self.most_programs || watch.stop.is_some() {
                 return End::Open;
             }
-            if !cuts && self.programs > self.pairs.len() {
+            if !cuts && self.programs > 2 * self.pairs.len() {
                 (is_proved, cuts) = (true, true);
                 open = vec![(Vec::new(), None)];
                 continue;
