@@ -51,7 +51,6 @@ pub(crate) fn homotopy(problem: &mut dyn Mpcc) -> Result<mpcc::Solution, InputEr
     }
     let mut settings = mpcc::Settings::default();
     settings.rules = vec![RelaxationRule::Proportional];
-    settings.maximum_neighbours = 0;
     settings.second_opinion = false;
     settings.interior_point.initial_barrier_parameter = LAST_BARRIER;
     settings.interior_point.bound_push = 1e-9;

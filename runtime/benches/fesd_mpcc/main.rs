@@ -3,7 +3,7 @@
 //! `cargo bench -p hangtime --bench fesd_mpcc` prints a table: each problem solved by the default settings, by the
 //! default settings from a small barrier parameter (only useful for steps, whose guess is a simulation), and by a
 //! Scholtes homotopy of nine separate solves. All three end with crossover and certificate, so that objectives are
-//! those of exact points; the homotopy does not look for better neighbours. Words after `--` choose the problems
+//! those of exact points; the homotopy is not relaxed again. Words after `--` choose the problems
 //! whose names contain one of them.
 
 #[path = "../../../solver/benches/homotopy.rs"]

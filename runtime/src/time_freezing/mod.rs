@@ -170,7 +170,6 @@ pub(crate) mod laid_out;
 mod layout;
 mod modes;
 mod names;
-mod neighbours;
 mod rows;
 pub(crate) mod step_form;
 pub(crate) mod task;

@@ -207,22 +207,3 @@ pub(super) fn mark_sum(
         vanishes[variable] = true;
     }
 }
-
-/// Modes that a choice of vanishing variables stands for.
-pub(super) fn fixed_modes(transcription: &Transcription<'_>, vanishes: &[bool]) -> Vec<Mode> {
-    let mut modes =
-        Vec::with_capacity(transcription.elements.len() * transcription.field.layout.contacts());
-    for element in &transcription.elements {
-        for contact in 0..transcription.field.layout.contacts() {
-            let first = element.sums + SUMS * contact;
-            modes.push(if vanishes[first] {
-                Mode::Jump
-            } else if vanishes[first + 2] {
-                Mode::Free
-            } else {
-                Mode::Contact
-            });
-        }
-    }
-    modes
-}

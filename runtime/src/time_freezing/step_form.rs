@@ -6,7 +6,7 @@ use hangtime_solver::nlp::NlpProblem;
 use super::field::Field;
 use super::task::{Outer, Task};
 use super::transcription::Transcription;
-use super::{conditions, guess, known, modes, neighbours, rows};
+use super::{conditions, guess, known, modes, rows};
 use crate::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
 
@@ -107,9 +107,5 @@ impl Mpcc for Transcription<'_> {
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
         modes::mark_vanishing(self, x, vanishes);
         true
-    }
-
-    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
-        neighbours::shift_switch(self, index, x, vanishes)
     }
 }

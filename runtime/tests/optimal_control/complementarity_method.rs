@@ -49,46 +49,6 @@ fn solve_steps_certified_in_few_iterations_of_the_homotopy() {
     );
 }
 
-/// The step equilibration: `3e-4` of the relative length, squared, summed over the elements.
-fn equilibration(lengths: &[f64]) -> f64 {
-    let total: f64 = lengths.iter().sum();
-    let mean = total / lengths.len() as f64;
-    3e-4 * lengths
-        .iter()
-        .map(|h| (h / mean - 1.0).powi(2))
-        .sum::<f64>()
-}
-
-#[test]
-fn solve_landing_moves_the_switch_to_the_best_element() {
-    // With the touchdown on a grid of four elements the best of the feasible places is known by trying all: two
-    // elements of flight and the jump in one of its own. The relaxed run ends with another one.
-    let cases = problems::cases();
-    let case = cases
-        .iter()
-        .find(|case| case.name.starts_with("waves fall"));
-    let case = case.unwrap();
-    let mut settings = Settings::default();
-    settings.maximum_neighbours = 0;
-    let mut program = case.program().unwrap();
-    let without = mpcc::solve(&mut program, &settings).unwrap();
-    let with = mpcc::solve(&mut program, &Settings::default()).unwrap();
-    assert_eq!(without.status, Status::Solved);
-    assert_eq!(with.status, Status::Solved);
-    assert_eq!(without.neighbours, 0);
-    assert!(with.neighbours > 0);
-    // 7.4e-5 against 2.8e-4
-    assert!(with.objective < 0.5 * without.objective);
-    // the objective of a step is its equilibration
-    let variables = with.x.iter().enumerate();
-    let lengths = variables
-        .filter(|(i, _)| program.variable_name(*i).starts_with("length of element"))
-        .map(|(_, length)| *length);
-    let lengths: Vec<f64> = lengths.collect();
-    assert_eq!(lengths.len(), 4);
-    assert!((equilibration(&lengths) - with.objective).abs() < 1e-9);
-}
-
 hangtime::model! {
     /// A ball that is to end below the ground.
     Buried {

@@ -20,8 +20,6 @@ const MOST_REPAIRS: usize = 10;
 pub(crate) struct Exact {
     point: nlp::Solution,
     certificate: Certificate,
-    /// The sides that are fixed at zero.
-    vanishes: Vec<bool>,
     pub(crate) repairs: usize,
 }
 
@@ -46,7 +44,7 @@ impl Exact {
         watch: &mut Watch<'_>,
     ) -> Self {
         clean(problem, &vanishes, &mut point);
-        let mut judge = Judge::new(problem, settings, vanishes.clone(), point);
+        let mut judge = Judge::new(problem, settings, vanishes, point);
         judge.left = left;
         let certificate = judge.certify(problem, watch);
         if certificate.b_stationary == Some(true) {
@@ -55,7 +53,6 @@ impl Exact {
         Self {
             certificate,
             point: judge.point,
-            vanishes,
             repairs: 0,
         }
     }
@@ -64,8 +61,8 @@ impl Exact {
         self.certificate.b_stationary == Some(true)
     }
 
-    /// Writes the point to a solution and returns the choice of sides.
-    pub(crate) fn describe(self, problem: &dyn Mpcc, solution: &mut Solution) -> Vec<bool> {
+    /// Writes the point to a solution.
+    pub(crate) fn describe(self, problem: &dyn Mpcc, solution: &mut Solution) {
         let point = self.point;
         let pairs = problem.complementarities().iter();
         solution.residuals = Residuals {
@@ -88,7 +85,6 @@ impl Exact {
         solution.multipliers_upper = point.multipliers_upper;
         solution.violations = point.violations;
         solution.certificate = Some(self.certificate);
-        self.vanishes
     }
 }
 
@@ -285,51 +281,6 @@ fn repair(
     })?;
     let found = (vanishes, point);
     Some(Exact::below(problem, settings, found, lower, watch))
-}
-
-/// Iterations that neighbours may take at least, and at most as a part of those before: a step of a scene has few
-/// and cheap ones, and in a long motion each of many may cost as much as the others without a gain.
-const NEIGHBOUR_ITERATIONS: usize = 150;
-const NEIGHBOUR_PART: usize = 4;
-
-/// Tries the neighbours of a certified point that the problem knows of, in their order, and goes on from each that
-/// is certified and better, until none is, [`Settings::maximum_neighbours`] are tried, or their iterations are used up.
-pub(crate) fn improve(
-    problem: &mut dyn Mpcc,
-    settings: &Settings,
-    solution: &mut Solution,
-    vanishes: &mut Vec<bool>,
-    watch: &mut Watch<'_>,
-) {
-    let before = watch.iterations;
-    let limit = before + NEIGHBOUR_ITERATIONS.max(before / NEIGHBOUR_PART);
-    loop {
-        let mut improved = false;
-        for index in 0.. {
-            let spent =
-                solution.neighbours >= settings.maximum_neighbours || watch.iterations >= limit;
-            if spent || watch.stop.is_some() {
-                return;
-            }
-            let mut start = solution.warm_start(settings.interior_point.tolerance);
-            let mut sides = vanishes.clone();
-            if !problem.neighbour(index, &mut start.x, &mut sides) {
-                break;
-            }
-            solution.neighbours += 1;
-            mark_forced(problem, &start.x, &mut sides);
-            let from = (sides, &start, &NEAR[..1]);
-            if let Some(next) = lower(problem, settings, solution.objective, from, watch)
-                && next.is_certified()
-            {
-                *vanishes = next.describe(problem, solution);
-                improved = true;
-            }
-        }
-        if !improved {
-            return;
-        }
-    }
 }
 
 /// The exact point of a choice of sides where it is lower than an objective by more than what its accuracy leaves.

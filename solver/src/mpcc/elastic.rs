@@ -1,8 +1,8 @@
 //! The elastic form of a complementarity problem: one slack for all products.
 
-use super::finish::{End, Ended, finish};
+use super::finish::{End, finish};
 use super::watch::{Purpose, Watch};
-use super::{Mpcc, RelaxationRule, Settings};
+use super::{Mpcc, RelaxationRule, Settings, Solution};
 use crate::nlp::{self, InputError, NlpProblem, Pattern, Products};
 
 /// The smooth program
@@ -220,7 +220,7 @@ pub(crate) fn elastic(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     watch: &mut Watch<'_>,
-) -> Result<Ended, InputError> {
+) -> Result<Solution, InputError> {
     let mut program = Elastic::new(problem);
     let mut series = Series::new(settings);
     let (mut solution, slack) = loop {

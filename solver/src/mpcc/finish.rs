@@ -33,15 +33,6 @@ impl End {
 /// Share of the relaxation from which a product is binding.
 pub(crate) const BINDING: f64 = 0.9;
 
-/// What a rule came to.
-pub(crate) struct Ended {
-    pub(crate) solution: Solution,
-    /// The choice of sides at an exact point; empty elsewhere.
-    pub(crate) vanishes: Vec<bool>,
-    /// Whether the run went on after a first crossover that failed or ended far off.
-    pub(crate) resumed: bool,
-}
-
 /// Crossover and certificate of a relaxed run.
 pub(crate) fn finish(
     problem: &mut dyn Mpcc,
@@ -50,7 +41,7 @@ pub(crate) fn finish(
     relaxed: nlp::Solution,
     end: End,
     watch: &mut Watch<'_>,
-) -> Ended {
+) -> Solution {
     let sigma = end.sigma;
     let near = matches!(
         relaxed.status,
@@ -90,27 +81,20 @@ pub(crate) fn finish(
         crossover_iterations: watch.crossover_iterations,
         certificate_iterations: watch.certificate_iterations,
         repairs: 0,
-        neighbours: 0,
+        resumed: false,
         factorizations: watch.factorizations,
         cpu: watch.cpu,
         history: relaxed.history,
         violations: relaxed.violations,
     };
-    let vanishes = match exact {
+    match exact {
         Some(exact) => {
             solution.repairs = exact.repairs;
-            exact.describe(problem, &mut solution)
+            exact.describe(problem, &mut solution);
         }
-        None => {
-            name_pairs(problem, settings, &mut solution);
-            Vec::new()
-        }
-    };
-    Ended {
-        solution,
-        vanishes,
-        resumed: false,
+        None => name_pairs(problem, settings, &mut solution),
     }
+    solution
 }
 
 /// The better one of two results is less.

@@ -44,9 +44,8 @@
 //! `mu = 0`: one with a positive multiplier goes all its distance, one without half of it, one that is positive stays. Where the
 //! verdict hangs on a pair with such a side, the program with both sides at zero decides.
 //!
-//! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
-//! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective; where it knows none and
-//! has many pairs, the certified point is relaxed again, and what is lower goes on: a *second opinion*.
+//! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, the
+//! certified point of many pairs is relaxed again, and what is lower goes on: a *second opinion*.
 //!
 //! Where no rule ends at a certified point, a *second round* crosses over with many more iterations from where they ended: from
 //! these ends first, then from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,

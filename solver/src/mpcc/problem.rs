@@ -26,17 +26,6 @@ pub trait Mpcc: NlpProblem {
         let _ = (x, vanishes);
         false
     }
-
-    /// Another choice of vanishing variables next to that of a solution, to be tried for a better objective. On
-    /// entry `x` is the solution and `vanishes` its choice; candidate number `index` writes its own choice and a
-    /// point to start from and returns `true`. Without a candidate of that number it returns `false` and changes
-    /// nothing. The candidates are numbered from 0 without gaps, for one and the same solution.
-    ///
-    /// The default has none. Finite elements shift a switch by one element.
-    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
-        let _ = (index, x, vanishes);
-        false
-    }
 }
 
 impl<P: Mpcc + ?Sized> Mpcc for Variant<'_, P> {
@@ -50,9 +39,5 @@ impl<P: Mpcc + ?Sized> Mpcc for Variant<'_, P> {
 
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
         self.problem.vanishing_sides(x, vanishes)
-    }
-
-    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
-        self.problem.neighbour(index, x, vanishes)
     }
 }

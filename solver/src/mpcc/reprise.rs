@@ -43,20 +43,17 @@ const ITERATIONS: usize = 300;
 
 /// Relaxes a certified point again, from where it is, and goes on from each that is certified and better, until none is or the iterations
 /// are used up, as many as before. A relaxed run from the start of the problem decides all sides on one way; from an exact point it can go
-/// back on those that it decided worst. A problem that knows neighbours of its points has been asked for them already; its `sides` vanish.
+/// back on those that it decided worst.
 pub(crate) fn reprise(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    (solution, mut sides): (&mut Solution, Vec<bool>),
+    solution: &mut Solution,
     watch: &mut Watch<'_>,
 ) -> Result<(), InputError> {
     let mut gradient = vec![0.0; solution.x.len()];
     problem.gradient(&solution.x, &mut gradient);
     // without a gradient any feasible point is as good
-    if problem.complementarities().len() <= FEW
-        || norm_inf(&gradient) == 0.0
-        || problem.neighbour(0, &mut solution.x.clone(), &mut sides)
-    {
+    if problem.complementarities().len() <= FEW || norm_inf(&gradient) == 0.0 {
         return Ok(());
     }
     let limit = watch.used() + watch.used().max(ITERATIONS);

@@ -1,10 +1,10 @@
 //! One rule from start to certificate: relaxed runs and crossover.
 
 use super::elastic::elastic;
-use super::finish::{End, Ended, finish, relax};
+use super::finish::{End, finish, relax};
 use super::relaxation::{Continuation, Tied, proportional, roll_off};
 use super::watch::Watch;
-use super::{Mpcc, RelaxationRule, Settings};
+use super::{Mpcc, RelaxationRule, Settings, Solution};
 use crate::nlp::{self, BarrierPath, InputError, Products};
 
 /// `sigma` and tolerance at which a relaxed run pauses for a first crossover. Fixed sides are reliable
@@ -57,7 +57,7 @@ pub(crate) fn solve_with(
     settings: &Settings,
     rule: RelaxationRule,
     watch: &mut Watch<'_>,
-) -> Result<Ended, InputError> {
+) -> Result<Solution, InputError> {
     if rule == RelaxationRule::Elastic {
         return elastic(problem, settings, watch);
     }
@@ -84,15 +84,15 @@ pub(crate) fn solve_with(
     let limit = paused.objective + 1e-2 * paused.objective.abs().max(1.0);
     let end = End::pause(products.sigma);
     let ended = finish(problem, settings, rule, paused.clone(), end, watch);
-    let near = ended.solution.status.is_solved() && ended.solution.objective <= limit;
+    let near = ended.status.is_solved() && ended.objective <= limit;
     if near || watch.stop.is_some() {
         return Ok(ended);
     }
     let second = resume(problem, settings, rule, (paused, products), watch)?;
-    let (before, after) = (&ended.solution, &second.solution);
+    let (before, after) = (&ended, &second);
     let better = before.status.is_solved()
         && (!after.status.is_solved() || before.objective < after.objective);
-    Ok(Ended {
+    Ok(Solution {
         resumed: true,
         ..if better { ended } else { second }
     })
@@ -105,7 +105,7 @@ fn resume(
     rule: RelaxationRule,
     (paused, mut products): (nlp::Solution, Products),
     watch: &mut Watch<'_>,
-) -> Result<Ended, InputError> {
+) -> Result<Solution, InputError> {
     let interior_point = &settings.interior_point;
     let mut path = make_path(
         rule,

@@ -1,7 +1,7 @@
 //! What is tried where no rule ended at a certified point.
 
 use super::crossover::{choose, descend_from, patient_point};
-use super::finish::{Ended, compare};
+use super::finish::compare;
 use super::run::solve_with;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
@@ -15,17 +15,17 @@ const NEAR: f64 = 1e-6;
 pub(crate) fn second_round(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    best: &mut Ended,
-    others: &[Ended],
+    best: &mut Solution,
+    others: &[Solution],
     watch: &mut Watch<'_>,
 ) -> Result<(), InputError> {
-    let first = best.solution.clone();
+    let first = best.clone();
     let diverging = Status::Failed(nlp::Status::Diverging);
-    if first.status == diverging || others.iter().any(|o| o.solution.status == diverging) {
+    if first.status == diverging || others.iter().any(|o| o.status == diverging) {
         // unbounded
         return Ok(());
     }
-    let ends = std::iter::once(&first).chain(others.iter().map(|ended| &ended.solution));
+    let ends = std::iter::once(&first).chain(others);
     // where the violation is stationary there is nothing to start from
     let ends: Vec<&Solution> = ends
         .filter(|end| end.status != Status::Infeasible)
@@ -34,7 +34,7 @@ pub(crate) fn second_round(
         let from = end.warm_start(0.0);
         let vanishes = choose(problem, &from);
         try_choice(problem, settings, (end, vanishes, &from), best, watch);
-        if best.solution.status.is_solved() || watch.stop.is_some() {
+        if best.status.is_solved() || watch.stop.is_some() {
             return Ok(());
         }
     }
@@ -49,7 +49,7 @@ pub(crate) fn second_round(
                 continue;
             };
             try_choice(problem, settings, (end, vanishes, &from), best, watch);
-            if best.solution.status.is_solved() || watch.stop.is_some() {
+            if best.status.is_solved() || watch.stop.is_some() {
                 return Ok(());
             }
         }
@@ -62,7 +62,7 @@ fn try_choice(
     problem: &mut dyn Mpcc,
     settings: &Settings,
     (start, vanishes, from): (&Solution, Vec<bool>, &nlp::WarmStart),
-    best: &mut Ended,
+    best: &mut Solution,
     watch: &mut Watch<'_>,
 ) {
     let Some(point) = patient_point(problem, settings, &vanishes, from, false, watch) else {
@@ -71,9 +71,9 @@ fn try_choice(
     let exact = descend_from(problem, settings, vanishes, point, watch);
     let mut solution = start.clone();
     solution.repairs = exact.repairs;
-    let vanishes = exact.describe(problem, &mut solution);
-    if compare(&solution, &best.solution).is_lt() {
-        (best.solution, best.vanishes) = (solution, vanishes);
+    exact.describe(problem, &mut solution);
+    if compare(&solution, best).is_lt() {
+        *best = solution;
     }
 }
 
@@ -90,13 +90,12 @@ fn nearest(
         ..settings.clone()
     };
     let mut near = Variant::nearest(problem, to);
-    let ended = solve_with(&mut near, &relaxed, rule, watch)?;
-    let relaxed = &ended.solution;
+    let relaxed = solve_with(&mut near, &relaxed, rule, watch)?;
     let is_near = relaxed.residuals.primal <= NEAR && relaxed.relaxation_parameter <= NEAR;
     if watch.stop.is_some() || !is_near {
         return Ok(None);
     }
-    let from = ended.solution.warm_start(0.0);
+    let from = relaxed.warm_start(0.0);
     let vanishes = choose(&mut near, &from);
     let point = patient_point(&mut near, settings, &vanishes, &from, true, watch);
     Ok(point.map(|point| {

@@ -38,7 +38,7 @@ pub struct Settings {
     /// Whether the rule after the one that ends at a certified point is tried too, for a better objective, where the
     /// sides that the relaxed problem had chosen at the first crossover could not be met; default true. The relaxed
     /// solution was none of the complementarity problem then, and the point found from there often is a poor one. And whether a
-    /// certified point of more than 16 pairs, of a problem that knows no neighbours, is relaxed again for a better one, which takes as many
+    /// certified point of more than 16 pairs is relaxed again for a better one, which takes as many
     /// iterations as before at most, or 300.
     pub second_opinion: bool,
     /// Last `sigma`; default 1e-8, > 0.
@@ -47,10 +47,6 @@ pub struct Settings {
     /// default true. Without it complementarity is only met to `final_relaxation`, and nothing is
     /// certified.
     pub crossover: bool,
-    /// Most neighbouring choices of the fixed sides ([`Mpcc::neighbour`](super::Mpcc::neighbour)) that are tried for
-    /// a better objective after a certified crossover; default 100, 0 = none. They end as well after a quarter of the
-    /// iterations before, 150 at least.
-    pub maximum_neighbours: usize,
 }
 
 impl Default for Settings {
@@ -72,7 +68,6 @@ impl Default for Settings {
             second_opinion: true,
             final_relaxation: 1e-8,
             crossover: true,
-            maximum_neighbours: 100,
         }
     }
 }

@@ -81,8 +81,8 @@ pub struct Solution {
     pub certificate_iterations: usize,
     /// Changes of the fixed sides after the first crossover.
     pub(crate) repairs: usize,
-    /// Neighbouring choices of the fixed sides that were tried for a better objective.
-    pub neighbours: usize,
+    /// Whether the run went on after a first crossover that failed or ended far off.
+    pub(crate) resumed: bool,
     /// Factorizations of all runs, certificates included.
     pub factorizations: usize,
     /// CPU time of all runs by kind of work.

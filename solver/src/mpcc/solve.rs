@@ -1,8 +1,7 @@
 //! The entry points: rules one after the other.
 
-use super::crossover::improve;
 use super::decided::decided_sides;
-use super::finish::{BINDING, Ended, compare};
+use super::finish::{BINDING, compare};
 use super::moved::start_within_rows;
 use super::reprise::reprise;
 use super::run::solve_with;
@@ -121,7 +120,7 @@ pub fn solve_observed(
     let mut watch = Watch::new(settings, observer);
     let watch = &mut watch;
     let first = solve_with(problem, settings, settings.rules[0], watch)?;
-    let led_astray = first.solution.status == Status::Infeasible && watch.stop.is_none();
+    let led_astray = first.status == Status::Infeasible && watch.stop.is_none();
     let start = if settings.crossover && led_astray {
         start_within_rows(problem, &settings.interior_point, watch)?
     } else {
@@ -241,11 +240,11 @@ fn is_settled(problem: &dyn Mpcc, solution: &Solution) -> bool {
 fn solve_stated(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    mut first: Option<Ended>,
+    mut first: Option<Solution>,
     watch: &mut Watch<'_>,
 ) -> Result<Solution, InputError> {
-    let mut best: Option<Ended> = None;
-    let mut others: Vec<Ended> = Vec::new();
+    let mut best: Option<Solution> = None;
+    let mut others: Vec<Solution> = Vec::new();
     let mut infeasible = 0;
     let mut is_shown = false;
     for &rule in &settings.rules {
@@ -253,24 +252,22 @@ fn solve_stated(
             Some(first) => first,
             None => solve_with(problem, settings, rule, watch)?,
         };
-        if ended.solution.status == Status::Infeasible {
+        if ended.status == Status::Infeasible {
             infeasible += 1;
             is_shown = infeasible == settings.rules.len()
                 || infeasible >= 2 && rule == RelaxationRule::Elastic
-                || is_infeasible_without_pairs(problem, &ended.solution);
+                || is_infeasible_without_pairs(problem, &ended);
         }
         let finished = watch.stop.is_some()
-            || best
-                .as_ref()
-                .is_some_and(|best| best.solution.status.is_solved())
-            || match ended.solution.status {
+            || best.as_ref().is_some_and(|best| best.status.is_solved())
+            || match ended.status {
                 Status::Solved => !(ended.resumed && settings.second_opinion),
                 Status::Relaxed => !settings.crossover,
                 Status::Infeasible => is_shown,
                 _ => false,
             };
         best = Some(match best {
-            Some(best) if compare(&best.solution, &ended.solution).is_le() => {
+            Some(best) if compare(&best, &ended).is_le() => {
                 others.push(ended);
                 best
             }
@@ -286,17 +283,17 @@ fn solve_stated(
     if let Some(best) = &mut best
         && settings.crossover
         && watch.stop.is_none()
-        && !best.solution.status.is_solved()
-        && best.solution.status != Status::Infeasible
+        && !best.status.is_solved()
+        && best.status != Status::Infeasible
     {
-        others.sort_by(|a, b| compare(&a.solution, &b.solution));
+        others.sort_by(|a, b| compare(&a, &b));
         second_round(problem, settings, best, &others, watch)?;
     }
     if let (Some(best), Some(stop), false) = (&mut best, watch.stop, is_shown)
-        && best.solution.status == Status::Infeasible
+        && best.status == Status::Infeasible
     {
         // cut short before other rules could tell
-        best.solution.status = Status::Failed(stop);
+        best.status = Status::Failed(stop);
     }
     // the list of rules is not empty
     let best = best.ok_or_else(no_rules)?;
@@ -311,22 +308,16 @@ fn no_rules() -> InputError {
     })
 }
 
-/// The best of the rules, improved by neighbours where it is certified, with the totals of all rules.
+/// The best of the rules, relaxed again where it is certified, with the totals of all rules.
 fn complete(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    ended: Ended,
+    mut solution: Solution,
     watch: &mut Watch<'_>,
 ) -> Result<Solution, InputError> {
-    let Ended {
-        mut solution,
-        mut vanishes,
-        ..
-    } = ended;
     if solution.status.is_solved() {
-        improve(problem, settings, &mut solution, &mut vanishes, watch);
         if settings.second_opinion {
-            reprise(problem, settings, (&mut solution, vanishes), watch)?;
+            reprise(problem, settings, &mut solution, watch)?;
         }
     } else if watch.stop == Some(nlp::Status::Interrupted) {
         // whoever interrupts has to see it

@@ -266,9 +266,7 @@ fn solve_side_with_zero_multiplier_is_biactive_and_left() {
 fn solve_small_positive_side_is_not_taken_for_zero() {
     // (0, 2e-4) is a local solution: the first side may not leave zero before the second has gone there, uphill
     let mut problem = one_pair([0.6, 2e-4], [2.0, 40.0], f64::INFINITY, 0.0);
-    let mut settings = Settings::default();
-    settings.maximum_neighbours = 0;
-    let solution = mpcc::solve(&mut problem, &settings).unwrap();
+    let solution = mpcc::solve(&mut problem, &Settings::default()).unwrap();
     assert_eq!(solution.status, Status::Solved);
     assert!(
         is_local_solution(&problem, &solution.x, 1e-7),

@@ -327,10 +327,6 @@ impl Mpcc for TimeFreezing<'_> {
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
         self.transcription.vanishing_sides(x, vanishes)
     }
-
-    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
-        self.transcription.neighbour(index, x, vanishes)
-    }
 }
 
 /// Refuses conditions that set what a switch or a contact reads: its sign jumps where they come true, within no element.

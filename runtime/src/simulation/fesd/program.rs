@@ -229,7 +229,6 @@ fn try_program(
         settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
         settings.interior_point.maximum_iterations = MAX_ITERATIONS;
         settings.second_opinion = false;
-        settings.maximum_neighbours = 0;
         let mut stopped = false;
         let mut observer = |_: &IterationInfo| {
             stopped |= !watch.goes_on();
