@@ -158,11 +158,6 @@ impl Layout {
         self.edge_place(self.edges.len(), 0)
     }
 
-    /// Number of comparisons of pieces of edges.
-    pub(crate) fn edges(&self) -> usize {
-        self.edges.len()
-    }
-
     /// The comparisons of a contact with the other pieces of its edge: their numbers, and these pieces.
     pub(super) fn edges_of(&self, contact: usize) -> impl Iterator<Item = (usize, usize)> {
         let edges = self.edges.iter().enumerate();

@@ -16,6 +16,9 @@ use crate::words;
 /// What stands for the size of the sliding velocity until that is known.
 const SPEED: Variable = Variable::Argument(12_000);
 
+/// Cosine of an angle, or ratio beside 1, that is rounding of what a scene writes.
+const NOTHING: f64 = 1e-9;
+
 /// Evaluates what may contain the speed of sliding in this unit, by the word for it unless a declaration has taken that.
 pub(super) fn with_speed<T>(
     checker: &mut Checker<'_>,
@@ -132,6 +135,51 @@ pub(super) fn completed(
         return Err(checker.diagnostics.report("E07", friction.place, message));
     }
     Ok(law(ratio, Some(Sym::ONE), share))
+}
+
+/// Says where sliding velocities of a point mass are not along the surface, in the scale of its gap and perpendicular to each other, as far
+/// as parameters tell: the power of `s <= mu r` against them is that of another force then.
+pub(super) fn scaled_like_the_gap(
+    friction: &CheckedFriction,
+    sliding: &[Sym],
+    surface: &Surface,
+    checker: &mut Checker<'_>,
+) {
+    let n = checker.coordinates.len();
+    let velocities = Variable::velocities(n);
+    let normal = graph::gradient(surface.gap, &Variable::coordinates(n));
+    let rows = sliding.iter().map(|&one| graph::gradient(one, &velocities));
+    let rows: Vec<Vec<Sym>> = std::iter::once(normal).chain(rows).collect();
+    let product = |i: usize, j: usize| {
+        let terms = rows[i].iter().zip(&rows[j]).map(|(a, b)| *a * *b);
+        let sum = simplify(terms.fold(Sym::ZERO, |sum, term| sum + term));
+        checker.at_default(sum).unwrap_or(f64::NAN)
+    };
+    let cosine = |i, j| product(i, j) / (product(i, i) * product(j, j)).sqrt();
+    let ratio = |i| (product(i, i) / product(0, 0)).sqrt();
+    let name = &surface.name.text;
+    let apart = |value: &f64| value.abs() > NOTHING;
+    let all = 1..rows.len();
+    let into = all.clone().map(|i| cosine(0, i)).find(apart);
+    let beside = (rows.len() > 2).then(|| cosine(1, 2)).filter(apart);
+    let what = if let Some(cosine) = into {
+        format!(
+            "is not along the surface, the cosine of its angle with the rate of the gap is {cosine:.3}"
+        )
+    } else if let Some(cosine) = beside {
+        format!("is not perpendicular to the other one, the cosine of their angle is {cosine:.3}")
+    } else if let Some(ratio) = all.map(ratio).find(|ratio| apart(&(ratio - 1.0))) {
+        format!(
+            "is {ratio:.4} times as fast as the gap changes when the point moves into the surface as it moves along it"
+        )
+    } else {
+        return;
+    };
+    let message = format!(
+        "a sliding velocity of `{name}` {what}, so that friction is another force than `mu N`; give the velocity of the touching point \
+         along the surface, scaled like the gap, in space two that are perpendicular to each other, as in `sliding (dot(x), dot(y))`"
+    );
+    checker.diagnostics.warn("E20", friction.place, message);
 }
 
 /// The law of friction in space, with two sliding velocities.

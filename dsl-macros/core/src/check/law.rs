@@ -471,6 +471,9 @@ fn complete(
         braked(sliding, &friction, surface, held, checker)?;
         along_surface(sliding, &friction, surface, checker)?;
     }
+    if sound && held.is_empty() && surface.pieces == 1 && n > 1 && has_one_mass(lagrangian, n) {
+        friction::scaled_like_the_gap(&friction, &own, surface, checker);
+    }
     if let [first, second] = own[..] {
         return friction::in_space(&friction, (first, second), surface, checker);
     }
@@ -518,18 +521,19 @@ fn complete(
     friction::completed(&friction, sliding, checker)
 }
 
-/// Whether a surface is in space: its gap is of a body with the three places `x`, `y` and `z`, in one unit, so that it
+/// Whether a surface is in space: its gap is of a body with three places, the only coordinates or `x`, `y` and `z`, in one unit, so that it
 /// may slide in two directions.
 fn is_in_space(surface: &Surface, checker: &Checker<'_>) -> bool {
     let place = |name: &str| {
         let mut all = checker.coordinates.iter();
         all.position(|known| known.name.text == name)
     };
-    let Some(places) = ["x", "y", "z"]
-        .into_iter()
-        .map(place)
-        .collect::<Option<Vec<usize>>>()
-    else {
+    let named = ["x", "y", "z"].into_iter().map(place).collect();
+    let places: Option<Vec<usize>> = match checker.coordinates.len() {
+        3 => Some(vec![0, 1, 2]),
+        _ => named,
+    };
+    let Some(places) = places else {
         return false;
     };
     let unit = |i: &usize| checker.coordinates[*i].unit.as_ref().map(|unit| unit.unit);

@@ -239,6 +239,20 @@ fn friction_in_space_is_not_said_to_have_one_direction() {
         &["slides on for ever"],
     );
     assert_eq!(scene("restitution 0.5"), [""; 0]);
+    let sliding = |both: &str| scene(&format!("inelastic, friction 0.4, sliding ({both})"));
+    for (wrong, words) in [
+        ("dot(x), dot(x) + dot(y)", "angle is 0.707"),
+        ("dot(x), 2*dot(y)", "2.0000 times as fast"),
+        ("dot(x) + 0.75*dot(z), dot(y)", "not along the surface"),
+    ] {
+        assert_says(&sliding(wrong), &[words, "scaled like the gap"]);
+    }
+    for right in [
+        "dot(x), dot(y)",
+        "0.6*dot(x) + 0.8*dot(y), 0.8*dot(x) - 0.6*dot(y)",
+    ] {
+        assert_eq!(sliding(right), [""; 0], "{right}");
+    }
 }
 
 #[test]
