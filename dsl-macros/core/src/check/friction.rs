@@ -169,9 +169,7 @@ pub(super) fn scaled_like_the_gap(
     } else if let Some(cosine) = beside {
         format!("is not perpendicular to the other one, the cosine of their angle is {cosine:.3}")
     } else if let Some(ratio) = all.map(ratio).find(|ratio| apart(&(ratio - 1.0))) {
-        format!(
-            "is {ratio:.4} times as fast as the gap changes when the point moves into the surface as it moves along it"
-        )
+        format!("is {ratio:.4} times what the rate of the gap is at the same speed")
     } else {
         return;
     };

@@ -471,7 +471,9 @@ fn complete(
         braked(sliding, &friction, surface, held, checker)?;
         along_surface(sliding, &friction, surface, checker)?;
     }
-    if sound && held.is_empty() && surface.pieces == 1 && n > 1 && has_one_mass(lagrangian, n) {
+    // Between several bodies of one mass other scales may be right.
+    let is_one_point = n == 3 && is_in_space(surface, checker) && held.is_empty();
+    if is_one_point && sound && surface.pieces == 1 && has_one_mass(lagrangian, n) {
         friction::scaled_like_the_gap(&friction, &own, surface, checker);
     }
     if let [first, second] = own[..] {
@@ -479,8 +481,18 @@ fn complete(
     }
     let sliding = match own.first() {
         Some(&sliding) => {
-            // Of several bodies that stand for one another's velocities, as a box on a cart, nothing is missing.
-            if is_in_space(surface, checker) && sound && has_one_mass(lagrangian, n) {
+            // Of several bodies that stand for one another's velocities, as a box on a cart, nothing is missing. A velocity between
+            // two bodies does not change where both move on together; one of two coordinates that does is of one body.
+            let row = graph::gradient(sliding, &Variable::velocities(n));
+            let mixed: Vec<Sym> = row
+                .into_iter()
+                .filter(|slope| !slope.is_structural_zero())
+                .collect();
+            let is_of_one = || {
+                n == 3 && mixed.len() == 2 && !simplify(mixed[0] + mixed[1]).is_structural_zero()
+            };
+            let in_space = is_in_space(surface, checker) || is_of_one();
+            if in_space && sound && has_one_mass(lagrangian, n) {
                 let message = format!(
                     "friction of `{0}` brakes the one velocity behind `sliding` only: a body that moves in space along \
                      `{0}` slides on for ever in the direction across it; write both, as in `sliding (dot(x), dot(y))`",
@@ -521,19 +533,18 @@ fn complete(
     friction::completed(&friction, sliding, checker)
 }
 
-/// Whether a surface is in space: its gap is of a body with three places, the only coordinates or `x`, `y` and `z`, in one unit, so that it
+/// Whether a surface is in space: its gap is of a body with the three places `x`, `y` and `z`, in one unit, so that it
 /// may slide in two directions.
 fn is_in_space(surface: &Surface, checker: &Checker<'_>) -> bool {
     let place = |name: &str| {
         let mut all = checker.coordinates.iter();
         all.position(|known| known.name.text == name)
     };
-    let named = ["x", "y", "z"].into_iter().map(place).collect();
-    let places: Option<Vec<usize>> = match checker.coordinates.len() {
-        3 => Some(vec![0, 1, 2]),
-        _ => named,
-    };
-    let Some(places) = places else {
+    let Some(places) = ["x", "y", "z"]
+        .into_iter()
+        .map(place)
+        .collect::<Option<Vec<usize>>>()
+    else {
         return false;
     };
     let unit = |i: &usize| checker.coordinates[*i].unit.as_ref().map(|unit| unit.unit);

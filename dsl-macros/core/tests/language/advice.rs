@@ -242,7 +242,7 @@ fn friction_in_space_is_not_said_to_have_one_direction() {
     let sliding = |both: &str| scene(&format!("inelastic, friction 0.4, sliding ({both})"));
     for (wrong, words) in [
         ("dot(x), dot(x) + dot(y)", "angle is 0.707"),
-        ("dot(x), 2*dot(y)", "2.0000 times as fast"),
+        ("dot(x), 2*dot(y)", "2.0000 times what"),
         ("dot(x) + 0.75*dot(z), dot(y)", "not along the surface"),
     ] {
         assert_says(&sliding(wrong), &[words, "scaled like the gap"]);
@@ -253,6 +253,14 @@ fn friction_in_space_is_not_said_to_have_one_direction() {
     ] {
         assert_eq!(sliding(right), [""; 0], "{right}");
     }
+    let on_cart = |sliding: &str| {
+        of_text(&format!(
+            "parameters {{ m: kg = 3 }} coordinates {{ b: m, c: m, h: m }} lagrangian m/2*|dot((b, c, h))|^2 - m*9.81 \
+             [m/s^2]*h surface cart: h >= 0 impact cart: inelastic, friction 0.4, sliding {sliding}"
+        ))
+    };
+    assert_eq!(on_cart("dot(b) - dot(c)"), [""; 0]);
+    assert_says(&on_cart("0.6*dot(b) + 0.8*dot(c)"), &["slides on for ever"]);
 }
 
 #[test]
