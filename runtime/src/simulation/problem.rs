@@ -527,6 +527,13 @@ fn pivots(model: &dyn Model, x: &[f64]) -> Vec<f64> {
     (0..n).map(|k| mass[k * n + k]).collect()
 }
 
+/// What is wrong where steps shrink to nothing as an acceleration grows.
+pub(crate) fn unbounded(coordinate: &str) -> String {
+    format!(
+        "the acceleration of `{coordinate}` grows without bound; check divisions and poles of the scene"
+    )
+}
+
 /// What is wrong where a gap has one sign and then the other, and vanishes nowhere between.
 pub(crate) fn leaps(name: &str) -> String {
     format!(

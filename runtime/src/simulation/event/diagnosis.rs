@@ -3,7 +3,7 @@
 use super::dynamics::{Dynamics, Switch};
 use super::here::Undetermined;
 use crate::contact::touching::jammed;
-use crate::simulation::problem::{leaps, vanishing_inertia, zero_parameters};
+use crate::simulation::problem::{leaps, unbounded, vanishing_inertia, zero_parameters};
 use crate::simulation::{Diagnosis, SimulationStatus};
 
 /// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
@@ -77,10 +77,7 @@ impl Place<'_, '_> {
         let slope = &slope[n..2 * n];
         let fastest = (0..n).max_by(|&a, &b| slope[a].abs().total_cmp(&slope[b].abs()));
         let name = fastest.map_or("", |k| self.coordinate_name(k));
-        let message = format!(
-            "the acceleration of `{name}` grows without bound; check divisions and poles of the scene"
-        );
-        SimulationStatus::NotFinite(self.diagnosis(None, message))
+        SimulationStatus::NotFinite(self.diagnosis(None, unbounded(name)))
     }
 
     /// A switching function changes its sign through infinity, or a gap by a jump, after `h` more.

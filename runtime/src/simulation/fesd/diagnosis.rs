@@ -7,7 +7,7 @@ use crate::contact::touching::jammed;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::simulation::problem::{
-    leaps, negative_bound, not_finite_at, not_unique, second_order, vanishing_inertia,
+    leaps, negative_bound, not_finite_at, not_unique, second_order, unbounded, vanishing_inertia,
     zero_parameters,
 };
 use crate::simulation::watch::interrupted;
@@ -23,6 +23,9 @@ const NEARLY_JAMMED: f64 = 1e-2;
 
 /// Share of the horizon after which a motion that cannot go on is looked at.
 const AHEAD: f64 = 1e-6;
+
+/// Growth of a velocity in a moment that only a pole explains: a force that a contact or a switch turns on changes it by less than itself.
+const GROWTH: f64 = 1e3;
 
 pub(super) fn diagnosis(
     driver: &Driver<'_>,
@@ -59,6 +62,9 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
     if let Some(why) = vanishing_inertia(driver.setup.model, &start, driver.now.input()) {
         return SimulationStatus::NotFinite(diagnosis(driver, step, None, why));
     }
+    if let Some(coordinate) = grows(driver) {
+        return SimulationStatus::NotFinite(diagnosis(driver, step, None, unbounded(coordinate)));
+    }
     let settings = driver.setup.settings;
     let why = if settings.stage_count() == 1 && settings.promise().is_some() {
         "an element of one stage has an order too low for the tolerance; error control needs 2 stages or more, or name \
@@ -76,6 +82,20 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
             end - driver.now.state.time
         ),
     ))
+}
+
+/// The coordinate whose acceleration would change its velocity in a moment, [`AHEAD`] of the horizon, by more than a thousand times what it
+/// is and was: near a pole it changes by any factor in ever shorter elements.
+fn grows(driver: &Driver<'_>) -> Option<&'static str> {
+    let (state, problem) = (&driver.now.state, driver.setup.problem);
+    let moment = AHEAD * driver.setup.horizon;
+    let grows = |k: &usize| {
+        let change = moment * driver.now.acceleration[*k].abs();
+        let known = state.v[*k].abs() + problem.v[*k].abs();
+        known > 0.0 && change > GROWTH * known
+    };
+    let coordinate = (0..state.q.len()).find(grows)?;
+    Some(driver.setup.model.declaration().coordinates[coordinate].name)
 }
 
 /// Whether the model is infinite or not a number soon after the present state, where elements up to `end` fail: within what they would
