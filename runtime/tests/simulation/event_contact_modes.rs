@@ -21,31 +21,6 @@ fn dependent_normals_carry_the_weight_once() {
 }
 
 #[test]
-fn limit_on_events_ends_the_run_with_a_diagnosis() {
-    let model = scenes::bar(1.0, 1.0, 2.0);
-    let simulator = EventDriven {
-        max_events: 8,
-        ..EventDriven::default()
-    };
-    let simulation = run(
-        &simulator,
-        &model,
-        &start(&[0.0, 0.1, 0.1_f64.asin()], &[0.0; 3], 3.0),
-    );
-    let SimulationStatus::EventLimit(diagnosis) = &simulation.status else {
-        panic!("{:?}", simulation.status);
-    };
-    assert!(
-        diagnosis.message.contains("switches"),
-        "{}",
-        diagnosis.message
-    );
-    assert!(diagnosis.contact.is_some());
-    assert!(diagnosis.time < 3.0);
-    assert!(!simulation.trajectory.time.is_empty());
-}
-
-#[test]
 fn two_contacts_slow_the_clock_by_the_product_of_their_weights() {
     // A block pressed into the corner: p = prod (1 - s_i p) with s = (g, 3) / a_bar.
     let model = scenes::pressed_corner(3.0);

@@ -94,6 +94,22 @@ pub(crate) fn changed(expectation: &Expectation, chance: &mut Chance) -> Expecta
             }
             (words, place) => Claim::Message(Some("E99".to_owned()), words.clone(), place.clone()),
         },
+        Claim::Obstacle(by, words, present) => match *present && !words.is_empty() && chance.coin()
+        {
+            true => Claim::Obstacle(by.clone(), altered(words), true),
+            false => Claim::Obstacle(by.clone(), words.clone(), !present),
+        },
+        Claim::Limit(by, side, Some((change, words))) => {
+            let words = match chance.coin() {
+                true => altered(words),
+                false => {
+                    changed.moved = moved;
+                    words.clone()
+                }
+            };
+            Claim::Limit(by.clone(), *side, Some((*change, words)))
+        }
+        Claim::Limit(by, side, None) => Claim::Limit(by.clone(), *side, Some((0, String::new()))),
         Claim::Certificate(name) => {
             let other = if name == "S" { "B" } else { "S" };
             Claim::Certificate(other.to_owned())
