@@ -5,7 +5,7 @@
 
 use crate::common::assembled::Assembled;
 use crate::common::laws::{Feet, Ground, Rod, Room};
-use crate::common::scenes::{self, GRAVITY};
+use crate::common::scenes;
 use crate::common::{distance, event, last, start};
 use hangtime::model::{Model, contact_point, tangent_point};
 use hangtime::rk::Scheme;
@@ -384,61 +384,6 @@ fn order_is_kept_through_impacts_in_states_and_event_times() {
             }
         }
     }
-}
-
-#[test]
-fn auxiliary_acceleration_changes_numerical_time_only() {
-    let cases = inelastic();
-    let track = cases
-        .iter()
-        .find(|case| case.name == "curved track")
-        .unwrap();
-    let exact = exact(track);
-    for a_bar in [3.0, 100.0, 1e6] {
-        let simulator = Fesd {
-            auxiliary_acceleration: a_bar,
-            ..time_freezing().with_tolerance(1e-12)
-        };
-        let error = apart(&solved(&simulator, track), &exact, track.name);
-        assert!(error < 1e-9, "{a_bar}: {error:e}");
-    }
-    // A fall of a metre, a jump, and half a second at rest under gravity.
-    let ball = case(
-        "ball",
-        scenes::ball(),
-        start(&[0.0, 1.0], &[0.0; 2], (2.0 / GRAVITY).sqrt() + 0.5),
-    );
-    let simulator = Fesd {
-        auxiliary_acceleration: 10.0,
-        ..time_freezing()
-    };
-    let run = solved(&simulator, &ball);
-    let (fall, speed) = ((2.0 / GRAVITY).sqrt(), (2.0 * GRAVITY).sqrt());
-    let expected = fall + speed / 10.0 + 0.5 * (1.0 + GRAVITY / 10.0);
-    assert!((run.trajectory.numerical_time.last().unwrap() - expected).abs() < 1e-13);
-}
-
-#[test]
-fn forces_beyond_the_auxiliary_acceleration_cost_no_elements() {
-    // The mass presses with up to 20,000 m/s^2 at the bottom of the bowl; the clock would run at a twentieth of its speed.
-    let bowl = Ground {
-        curvature: 200.0,
-        ..Ground::default()
-    };
-    let bowl = case("bowl", bowl, start(&[0.0, 0.0], &[10.0, 0.0], 0.5));
-    let exact = exact(&bowl);
-    let [frozen, default] =
-        [time_freezing(), Fesd::default()].map(|simulator| solved(&simulator, &bowl));
-    let error = apart(&frozen, &exact, bowl.name) / size(&exact);
-    assert!(error <= 1e-6, "{error:e}");
-    let elements = [&frozen, &default].map(|run| run.counts.elements);
-    assert!(2 * elements[0] <= 3 * elements[1], "{elements:?}");
-    let [numerical, expected] =
-        [&frozen, &exact].map(|run| *run.trajectory.numerical_time.last().unwrap());
-    assert!(
-        (numerical / expected - 1.0).abs() <= 1e-5,
-        "{numerical} {expected}"
-    );
 }
 
 /// Where the published auxiliary dynamics of one contact end: `a_bar (d -+ mu e)` by the sign of the sliding velocity,

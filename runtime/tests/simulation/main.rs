@@ -8,8 +8,6 @@ mod event_contact_modes;
 mod event_driven;
 mod event_properties;
 mod event_scales;
-mod fesd_against_event_driven;
-mod fesd_complementarity;
 mod fesd_laws_against_event_driven;
 mod fesd_properties;
 mod fesd_shared_friction;
