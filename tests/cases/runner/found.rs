@@ -311,6 +311,8 @@ fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
         "resimulation_error" => solution.resimulation_error,
         "resimulated_objective" => solution.resimulated_objective,
         "least_time" => return solution.least_time,
+        "residuals.primal" => solution.residuals.primal,
+        "residuals.complementarity" => solution.residuals.complementarity,
         "starts" => solution.starts as f64,
         "counts.programs" => solution.counts.programs as f64,
         "counts.iterations" => solution.counts.iterations as f64,
