@@ -1,18 +1,11 @@
 //! Finite elements where several contacts stick at once, which share the friction in no determined way, at the end of
 //! ever shorter flights.
 
-use crate::common::event::accurate;
+use crate::common::event::{accurate, run};
 use crate::common::laws::rough_crate;
 use crate::common::{distance, last, start};
-use hangtime::model::Model;
 use hangtime::rk::Scheme;
-use hangtime::simulation::{Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator};
-
-fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
-    simulator
-        .simulate(model, problem, &mut |_| true)
-        .expect("the problem is accepted")
-}
+use hangtime::simulation::{Fesd, SimulationStatus};
 
 fn controlled(stages: usize, tolerance: f64) -> Fesd {
     Fesd::default()

@@ -6,7 +6,7 @@
 use crate::common::assembled::Assembled;
 use crate::common::laws::{Feet, Ground, Rod, Room};
 use crate::common::scenes;
-use crate::common::{distance, event, last, start};
+use crate::common::{distance, event, last, order, start};
 use hangtime::model::{Model, contact_point, tangent_point};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -320,18 +320,6 @@ fn grids_estimate_their_errors() {
     }
 }
 
-/// Least-squares slope of log error against log step count, negated.
-fn order(steps: &[usize], errors: &[f64]) -> f64 {
-    let points = steps.iter().zip(errors);
-    let points: Vec<(f64, f64)> = points
-        .map(|(n, error)| ((*n as f64).ln(), error.ln()))
-        .collect();
-    let mean =
-        |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
-    -mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x).powi(2))
-}
-
 #[test]
 fn order_is_kept_through_impacts_in_states_and_event_times() {
     let named = [
@@ -375,7 +363,8 @@ fn order_is_kept_through_impacts_in_states_and_event_times() {
             }
             let expected = (2 * stages - 1) as f64;
             for (what, errors) in [("state", &states), ("events", &times)] {
-                let measured = order(&steps, errors);
+                let points: Vec<_> = steps.iter().copied().zip(errors.clone()).collect();
+                let measured = order(&points);
                 assert!(
                     (measured - expected).abs() < 0.3,
                     "{}, {stages} stages, {what}: {measured} {errors:?}",
