@@ -156,3 +156,26 @@ fn backwards_there_are_no_ranges() {
         .map(|(_, gradient)| gradient);
     assert!(run.unwrap().ranges.is_empty());
 }
+
+#[test]
+fn end_that_jumps_has_no_derivative_to_either_side() {
+    // Two bodies that share an inertia, so that landing at once is another impact than landing one after the other.
+    let text = "
+        parameters { h1: m = 1 }
+        coordinates { a: m, b: m }
+        lagrangian 1[kg]*(dot(a)^2 + dot(b)^2 + dot(a)*dot(b))/2 - 9.81[N]*(a + b) - 10[N/m]*(a - b)^2
+        forces { a: -3[N*s/m]*(dot(a) - dot(b)), b: 3[N*s/m]*(dot(a) - dot(b)) }
+        surface first: a >= 0
+        surface second: b >= 0
+        impact first: restitution 0.5
+        impact second: restitution 0.5
+        start { a: h1, b: 1 [m] }
+        horizon 0.6 [s]
+    ";
+    for (_, gradient) in by_both(&scene(text, &[]), &["h1"]) {
+        assert!(
+            gradient.obstacle.is_some() && gradient.one_sided.is_none(),
+            "{gradient:?}"
+        );
+    }
+}
