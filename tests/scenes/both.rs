@@ -10,23 +10,11 @@ pub(crate) fn scene(text: &str) -> TextScene {
 
 /// The motion of a text by both methods, each solved.
 pub(crate) fn motions(text: &str) -> [Simulation; 2] {
-    motions_under(text, None, &ControlSignal::Zero)
-}
-
-/// The same with a tolerance, if one is given, and under controls.
-pub(crate) fn motions_under(
-    text: &str,
-    tolerance: Option<f64>,
-    controls: &ControlSignal,
-) -> [Simulation; 2] {
     let scene = scene(text);
     [false, true].map(|event_driven| {
-        let mut run = simulate(&scene).controls(controls.clone());
+        let mut run = simulate(&scene);
         if event_driven {
             run = run.method(EventDriven::default());
-        }
-        if let Some(tolerance) = tolerance {
-            run = run.tolerance(tolerance);
         }
         let motion = run.run().unwrap_or_else(|error| panic!("{text}: {error}"));
         assert!(motion.status.is_solved(), "{text}: {}", motion.status);

@@ -1,4 +1,4 @@
-//! The pump track: rides by two methods, and optima against the best known ones. Certified rides stand in `tests/cases`.
+//! The pump track: optima by other formulations, guesses and grids. Rides and the fastest of them stand in `tests/cases/pump.md`.
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
@@ -7,74 +7,7 @@ use hangtime::ocp::{
     self, ControlShape, Formulation, Guess, Problem, Settings, Solution, Stationarity, Status,
     TimeFreezingSettings,
 };
-use hangtime::simulation::{
-    EventDriven, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
-    StepFormulation,
-};
-use hangtime_models::{PumpTrack, PumpTrackHolding};
-
-fn ride(model: &dyn Model, simulator: &dyn Simulator, horizon: f64) -> Simulation {
-    let problem = InitialValueProblem::of(model, Some(horizon)).unwrap();
-    let simulation = simulator.simulate(model, &problem, &mut |_| true).unwrap();
-    assert_eq!(simulation.status, SimulationStatus::Solved);
-    simulation
-}
-
-fn end(simulation: &Simulation) -> (Vec<f64>, Vec<f64>) {
-    let trajectory = &simulation.trajectory;
-    (
-        trajectory.q.last().unwrap().clone(),
-        trajectory.v.last().unwrap().clone(),
-    )
-}
-
-fn accurate() -> (EventDriven, Fesd, Fesd) {
-    let event = EventDriven {
-        tolerance: 1e-12,
-        ..EventDriven::default()
-    };
-    let fesd = Fesd::default().with_tolerance(1e-11);
-    let frozen = fesd.clone().with_formulation(StepFormulation::TimeFreezing);
-    (event, fesd, frozen)
-}
-
-#[test]
-fn ride_without_input_at_other_speeds_agrees_between_methods() {
-    let (event, fesd, frozen) = accurate();
-    for speed in [10.0, 22.0] {
-        let models: [Box<dyn Model>; 2] = [
-            Box::new(PumpTrack {
-                speed,
-                ..PumpTrack::default()
-            }),
-            Box::new(PumpTrackHolding {
-                speed,
-                ..PumpTrackHolding::default()
-            }),
-        ];
-        let pairs = models
-            .iter()
-            .flat_map(|model| [(model, &fesd), (model, &frozen)]);
-        for (model, fesd) in pairs {
-            let [a, b] = [&event as &dyn Simulator, fesd]
-                .map(|simulator| ride(model.as_ref(), simulator, 2.0));
-            let kinds = |s: &Simulation| s.events.iter().map(|e| e.kind).collect::<Vec<_>>();
-            assert_eq!(kinds(&a), kinds(&b), "{speed}");
-            for (x, y) in a.events.iter().zip(&b.events) {
-                assert!(
-                    (x.time - y.time).abs() < 1e-8,
-                    "{speed}: {} {}",
-                    x.time,
-                    y.time
-                );
-            }
-            let ((q, v), (p, w)) = (end(&a), end(&b));
-            for (x, y) in q.iter().chain(&v).zip(p.iter().chain(&w)) {
-                assert!((x - y).abs() < 1e-8, "{speed}: {x} against {y}");
-            }
-        }
-    }
-}
+use hangtime_models::PumpTrack;
 
 fn solve(model: &dyn Model, intervals: usize) -> Solution {
     let problem = Problem::of(model, intervals);
@@ -99,48 +32,13 @@ fn check_solution(solution: &Solution) {
     assert!(solution.residuals.primal < 1e-9 && solution.residuals.complementarity < 1e-9);
     assert!(solution.resimulation_error < 1e-6);
     let motion = solution.motion.as_ref().unwrap();
-    let (q, _) = end(motion);
+    let q = motion.trajectory.q.last().unwrap();
     assert!((q[0] - std::f64::consts::TAU).abs() < 1e-6, "{}", q[0]);
     // The length of the link stays within its bounds at all times, the force within its own.
     for (q, u) in motion.trajectory.q.iter().zip(&motion.trajectory.u) {
         assert!((0.27803 - 1e-8..0.59559 + 1e-8).contains(&q[2]), "{}", q[2]);
         assert!((-108.25 - 1e-6..376.875 + 1e-6).contains(&u[0]), "{}", u[0]);
     }
-}
-
-#[test]
-fn fastest_ride_at_15_km_per_h_is_the_best_known_one() {
-    let solution = solve(&PumpTrack::default(), 30);
-    check_solution(&solution);
-    // Best of a global search over event-driven simulations with the bounds held at all times: 1.4137689 s.
-    assert!(
-        (solution.horizon - 1.413_768_9).abs() < 1e-7,
-        "{}",
-        solution.horizon
-    );
-    assert_eq!(solution.planned_events.len(), 4);
-}
-
-#[test]
-fn fastest_ride_at_10_and_22_km_per_h_beats_the_known_bounds() {
-    for (speed, bound) in [(10.0, 2.4520), (22.0, 1.0860)] {
-        let solution = solve(&at(speed), 30);
-        check_solution(&solution);
-        assert!(solution.horizon <= bound, "{speed}: {}", solution.horizon);
-    }
-}
-
-#[test]
-fn fastest_ride_with_more_intervals_is_faster_but_not_below_the_continuous_bound() {
-    let coarse = solve(&PumpTrack::default(), 30).horizon;
-    let fine = solve(&PumpTrack::default(), 60);
-    check_solution(&fine);
-    // 1.41159 s is the best known with the control free at every instant.
-    assert!(
-        fine.horizon < coarse && fine.horizon > 1.41159,
-        "{}",
-        fine.horizon
-    );
 }
 
 #[test]
@@ -166,13 +64,6 @@ fn fastest_ride_with_linear_controls_approaches_that_with_free_ones() {
         "{}",
         fine.horizon
     );
-}
-
-#[test]
-fn fastest_ride_with_the_link_held_at_impacts_is_the_best_known_one() {
-    let solution = solve(&PumpTrackHolding::default(), 30);
-    check_solution(&solution);
-    assert!(solution.horizon <= 1.42910, "{}", solution.horizon);
 }
 
 #[test]

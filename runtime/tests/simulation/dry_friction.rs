@@ -1,12 +1,13 @@
 //! Dry friction without a surface: closed forms in every simulator, the default one against the event-driven one on random
 //! scenes, and how both say that a bound is negative.
 
+use crate::common::event::run;
 use crate::common::{distance, last, same_in_every_run, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
     ControlSignal, EventDriven, EventKind, Fesd, InitialValueProblem, Simulation, SimulationStatus,
-    Simulator, StepFormulation,
+    StepFormulation,
 };
 use proptest::prelude::*;
 
@@ -39,12 +40,6 @@ hangtime::model! {
         impact wall: restitution 0.4
         dry friction rail: bound rail, sliding dot(s)
     }
-}
-
-fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
-    simulator
-        .simulate(model, problem, &mut |_| true)
-        .expect("the problem is accepted")
 }
 
 /// Same events at the same times and the same end.

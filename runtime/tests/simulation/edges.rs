@@ -1,24 +1,10 @@
-//! Surfaces with edges, by every simulator: closed forms, and random motions by two methods.
+//! Surfaces with edges: random motions by two methods.
 
 #![allow(clippy::unwrap_used, reason = "a failed step fails the test")]
 
 use crate::common::{distance, last};
 use hangtime::prelude::*;
-use hangtime::simulation::{InitialValueProblem, SimulationStatus, Simulator, StepFormulation};
-
-hangtime::model! {
-    /// A block slides off the end of a table.
-    Table {
-        parameters { m: kg = 2, g: m/s^2 = 9.81, height: m = 0.8, edge: m = 0.5, speed: m/s = 1.5 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*|dot((y, z))|^2 - m*g*z
-        surface table: max(z - height, y - edge) >= 0
-        impact table: inelastic
-        outputs { load: N = force(table) }
-        start { z: height, dot(y): speed }
-        horizon 0.7 [s]
-    }
-}
+use hangtime::simulation::{InitialValueProblem, SimulationStatus, Simulator};
 
 hangtime::model! {
     /// A ball among a hut and a post on a floor.
@@ -104,13 +90,4 @@ fn random_throws_among_edges_are_the_same_by_two_methods() {
         events > 500 && edges > 10,
         "{events} events, {edges} runs past an edge"
     );
-}
-
-#[test]
-fn outer_edge_is_refused_by_name_where_it_is_not_known() {
-    let step = Fesd::default().with_formulation(StepFormulation::Complementarity);
-    let table = Table::default();
-    let problem = InitialValueProblem::of(&table, None).unwrap();
-    let refused = step.simulate(&table, &problem, &mut |_| true).unwrap_err();
-    assert!(refused.to_string().contains("`table.1`"), "{refused}");
 }

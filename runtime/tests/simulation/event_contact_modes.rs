@@ -1,66 +1,32 @@
-//! The event-driven simulator where contacts meet: corners, bars, dependent normals, controls.
+//! Contacts whose normals depend on each other, which the language does not declare.
 
 use crate::common::event::{accurate, check_consistency, run};
 use crate::common::scenes::{self, GRAVITY};
 use crate::common::{distance, last, start};
-use hangtime::simulation::{EventDriven, SimulationStatus};
+use hangtime::rk::Scheme;
+use hangtime::simulation::{Fesd, SimulationStatus, Simulator};
 
 #[test]
 fn dependent_normals_carry_the_weight_once() {
     let model = scenes::corner_with_double_floor();
-    let simulation = run(&accurate(), &model, &start(&[0.0, 0.5], &[2.0, 0.0], 1.0));
-    check_consistency(&model, &simulation);
-    let (q, v) = last(&simulation.trajectory);
-    assert!(distance(q, &[1.0, 0.0]) < 1e-14);
-    assert!(distance(v, &[0.0, 0.0]) < 1e-14);
-    let force = simulation.trajectory.contact_force.last().unwrap();
-    // The floor stands twice: of the forces that carry the weight 2 g the smallest are equal, to what the proximal point
-    // method leaves, 1e-16 by 1e-6.
-    assert!((force[0] + force[2] - 2.0 * GRAVITY).abs() < 1e-13);
-    assert!((force[0] - force[2]).abs() < 1e-8);
-}
-
-#[test]
-fn limit_on_events_ends_the_run_with_a_diagnosis() {
-    let model = scenes::bar(1.0, 1.0, 2.0);
-    let simulator = EventDriven {
-        max_events: 8,
-        ..EventDriven::default()
-    };
-    let simulation = run(
-        &simulator,
-        &model,
-        &start(&[0.0, 0.1, 0.1_f64.asin()], &[0.0; 3], 3.0),
-    );
-    let SimulationStatus::EventLimit(diagnosis) = &simulation.status else {
-        panic!("{:?}", simulation.status);
-    };
-    assert!(
-        diagnosis.message.contains("switches"),
-        "{}",
-        diagnosis.message
-    );
-    assert!(diagnosis.contact.is_some());
-    assert!(diagnosis.time < 3.0);
-    assert!(!simulation.trajectory.time.is_empty());
-}
-
-#[test]
-fn two_contacts_slow_the_clock_by_the_product_of_their_weights() {
-    // A block pressed into the corner: p = prod (1 - s_i p) with s = (g, 3) / a_bar.
-    let model = scenes::pressed_corner(3.0);
-    let simulator = EventDriven {
-        auxiliary_acceleration: 20.0,
-        ..accurate()
-    };
-    let simulation = run(&simulator, &model, &start(&[1.0, 0.0], &[0.0, 0.0], 1.0));
-    check_consistency(&model, &simulation);
-    let (a, b) = (GRAVITY / 20.0, 3.0 / 20.0);
-    // p (1 + a + b) - 1 = a b p^2: the root that tends to 1.
-    let sum = 1.0 + a + b;
-    let p = (sum - (sum * sum - 4.0 * a * b).sqrt()) / (2.0 * a * b);
-    let end = simulation.trajectory.numerical_time.last().unwrap();
-    assert!((end - 1.0 / p).abs() < 1e-13);
+    let problem = start(&[0.0, 0.5], &[2.0, 0.0], 1.0);
+    let elements = Fesd::default()
+        .with_scheme(Scheme::RadauIia, 5)
+        .with_grid(40, 2);
+    let found = elements.simulate(&model, &problem, &mut |_| true);
+    let runs = [run(&accurate(), &model, &problem), found.expect("accepted")];
+    check_consistency(&model, &runs[0]);
+    for simulation in runs {
+        assert_eq!(simulation.status, SimulationStatus::Solved);
+        let (q, v) = last(&simulation.trajectory);
+        assert!(distance(q, &[1.0, 0.0]) < 1e-14);
+        assert!(distance(v, &[0.0, 0.0]) < 1e-14);
+        let force = simulation.trajectory.contact_force.last().expect("forces");
+        // The floor stands twice: of the forces that carry the weight 2 g the smallest are equal, to what the proximal point
+        // method leaves, 1e-16 by 1e-6.
+        assert!((force[0] + force[2] - 2.0 * GRAVITY).abs() < 1e-13);
+        assert!((force[0] - force[2]).abs() < 1e-8);
+    }
 }
 
 #[test]

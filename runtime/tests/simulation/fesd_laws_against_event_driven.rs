@@ -1,24 +1,19 @@
 //! Restitution and friction in the finite element simulator against the event-driven one on random scenes:
 //! two implementations of the laws that share nothing but the model's functions.
 
+use crate::common::event::run;
 use crate::common::laws::{Feet, Ground, Rod};
 use crate::common::{check_energy, distance, last, same_in_every_run, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
     ControlSignal, Event, EventDriven, EventKind, Fesd, InitialValueProblem, Simulation,
-    SimulationStatus, Simulator, StepFormulation,
+    SimulationStatus, StepFormulation,
 };
 use proptest::prelude::*;
 
 /// Bounces end here in both simulators [m/s]: high enough for both to tell a bounce from rounding.
 const REST: f64 = 1e-3;
-
-fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
-    simulator
-        .simulate(model, problem, &mut |_| true)
-        .expect("the problem is accepted")
-}
 
 /// Number of events before those that follow each other ever faster: where an infinite sequence of impacts
 /// without restitution ends depends on the rounding of a gap.

@@ -5,8 +5,8 @@
 
 use crate::common::assembled::Assembled;
 use crate::common::laws::{Feet, Ground, Rod, Room};
-use crate::common::scenes::{self, GRAVITY};
-use crate::common::{distance, event, last, start};
+use crate::common::scenes;
+use crate::common::{distance, event, last, order, start};
 use hangtime::model::{Model, contact_point, tangent_point};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -320,18 +320,6 @@ fn grids_estimate_their_errors() {
     }
 }
 
-/// Least-squares slope of log error against log step count, negated.
-fn order(steps: &[usize], errors: &[f64]) -> f64 {
-    let points = steps.iter().zip(errors);
-    let points: Vec<(f64, f64)> = points
-        .map(|(n, error)| ((*n as f64).ln(), error.ln()))
-        .collect();
-    let mean =
-        |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
-    -mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x).powi(2))
-}
-
 #[test]
 fn order_is_kept_through_impacts_in_states_and_event_times() {
     let named = [
@@ -375,7 +363,8 @@ fn order_is_kept_through_impacts_in_states_and_event_times() {
             }
             let expected = (2 * stages - 1) as f64;
             for (what, errors) in [("state", &states), ("events", &times)] {
-                let measured = order(&steps, errors);
+                let points: Vec<_> = steps.iter().copied().zip(errors.clone()).collect();
+                let measured = order(&points);
                 assert!(
                     (measured - expected).abs() < 0.3,
                     "{}, {stages} stages, {what}: {measured} {errors:?}",
@@ -384,61 +373,6 @@ fn order_is_kept_through_impacts_in_states_and_event_times() {
             }
         }
     }
-}
-
-#[test]
-fn auxiliary_acceleration_changes_numerical_time_only() {
-    let cases = inelastic();
-    let track = cases
-        .iter()
-        .find(|case| case.name == "curved track")
-        .unwrap();
-    let exact = exact(track);
-    for a_bar in [3.0, 100.0, 1e6] {
-        let simulator = Fesd {
-            auxiliary_acceleration: a_bar,
-            ..time_freezing().with_tolerance(1e-12)
-        };
-        let error = apart(&solved(&simulator, track), &exact, track.name);
-        assert!(error < 1e-9, "{a_bar}: {error:e}");
-    }
-    // A fall of a metre, a jump, and half a second at rest under gravity.
-    let ball = case(
-        "ball",
-        scenes::ball(),
-        start(&[0.0, 1.0], &[0.0; 2], (2.0 / GRAVITY).sqrt() + 0.5),
-    );
-    let simulator = Fesd {
-        auxiliary_acceleration: 10.0,
-        ..time_freezing()
-    };
-    let run = solved(&simulator, &ball);
-    let (fall, speed) = ((2.0 / GRAVITY).sqrt(), (2.0 * GRAVITY).sqrt());
-    let expected = fall + speed / 10.0 + 0.5 * (1.0 + GRAVITY / 10.0);
-    assert!((run.trajectory.numerical_time.last().unwrap() - expected).abs() < 1e-13);
-}
-
-#[test]
-fn forces_beyond_the_auxiliary_acceleration_cost_no_elements() {
-    // The mass presses with up to 20,000 m/s^2 at the bottom of the bowl; the clock would run at a twentieth of its speed.
-    let bowl = Ground {
-        curvature: 200.0,
-        ..Ground::default()
-    };
-    let bowl = case("bowl", bowl, start(&[0.0, 0.0], &[10.0, 0.0], 0.5));
-    let exact = exact(&bowl);
-    let [frozen, default] =
-        [time_freezing(), Fesd::default()].map(|simulator| solved(&simulator, &bowl));
-    let error = apart(&frozen, &exact, bowl.name) / size(&exact);
-    assert!(error <= 1e-6, "{error:e}");
-    let elements = [&frozen, &default].map(|run| run.counts.elements);
-    assert!(2 * elements[0] <= 3 * elements[1], "{elements:?}");
-    let [numerical, expected] =
-        [&frozen, &exact].map(|run| *run.trajectory.numerical_time.last().unwrap());
-    assert!(
-        (numerical / expected - 1.0).abs() <= 1e-5,
-        "{numerical} {expected}"
-    );
 }
 
 /// Where the published auxiliary dynamics of one contact end: `a_bar (d -+ mu e)` by the sign of the sliding velocity,

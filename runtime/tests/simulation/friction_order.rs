@@ -1,7 +1,7 @@
 //! Coulomb friction in the finite element simulator keeps its order.
 
 use crate::common::laws::{Ground, Pulled};
-use crate::common::{distance, last, start};
+use crate::common::{distance, last, order, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -20,19 +20,6 @@ fn solve(simulator: &Fesd, model: &dyn Model, problem: &InitialValueProblem) -> 
 
 fn kinds(simulation: &Simulation) -> Vec<EventKind> {
     simulation.events.iter().map(|event| event.kind).collect()
-}
-
-/// Least-squares slope of log error against log step count, negated.
-fn order(errors: &[(usize, f64)]) -> f64 {
-    let points: Vec<(f64, f64)> = errors
-        .iter()
-        .map(|&(count, error)| ((count as f64).ln(), error.ln()))
-        .collect();
-    let mean =
-        |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
-    let covariance = mean(&|p| (p.0 - x) * (p.1 - y));
-    -covariance / mean(&|p| (p.0 - x).powi(2))
 }
 
 /// Errors of the state at the end with `stages` against a run of order 13.

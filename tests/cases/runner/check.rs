@@ -6,7 +6,7 @@ use crate::method::Method;
 use crate::prepared::output;
 use crate::run::{Results, event, named};
 use crate::statement::{
-    Claim, Comparison, Expectation, Id, Instant, Left, Right, TextKind, Which, Within,
+    Above, Claim, Comparison, Expectation, Id, Instant, Left, Right, TextKind, Which, Within,
 };
 use crate::words::flat;
 use hangtime::model::Model as _;
@@ -153,6 +153,8 @@ fn check_one(result: &Found<'_>) -> Result<(), Unmet> {
         },
         Claim::Text(kind, words, present) => contains(&result.text(*kind)?, words, *present),
         Claim::Message(..) => because("the scene has no mistakes"),
+        Claim::Obstacle(by, words, present) => contains(result.reach(by)?.0, words, *present),
+        Claim::Limit(by, side, wanted) => limit(result, by, *side, wanted.as_ref()),
         Claim::Certificate(name) => match result.result {
             Of::Solution(solution) if solution.stationarity.name() == name => Ok(()),
             Of::Solution(solution) => because(format!("found {}", solution.stationarity)),
@@ -161,10 +163,38 @@ fn check_one(result: &Found<'_>) -> Result<(), Unmet> {
     }
 }
 
+/// How far a quantity may go to one side.
+fn limit(
+    result: &Found<'_>,
+    by: &str,
+    side: Above,
+    wanted: Option<&(Id, String)>,
+) -> Result<(), Unmet> {
+    let Some(range) = result.reach(by)?.1 else {
+        return because("there are no ranges");
+    };
+    let limit = if side.0 { &range.above } else { &range.below };
+    match (limit, wanted) {
+        (Some(limit), Some((change, words))) => {
+            contains(&limit.because, words, true)?;
+            near(
+                result,
+                limit.change,
+                result.constant_of(*change)?,
+                "ends at",
+            )
+        }
+        (Some(limit), None) => because(format!("{}: {}", limit.change, limit.because)),
+        (None, Some((_, words))) => because(format!("nothing ends it, and not: {words}")),
+        (None, None) => Ok(()),
+    }
+}
+
 fn tolerance(result: &Found<'_>, wanted: f64) -> Result<f64, Unmet> {
     Ok(match result.expectation.within {
         Within::Promised => 1e-6 * wanted.abs().max(1.0),
         Within::Absolute(id) => result.constant_of(id)?,
+        Within::Estimated(id) => result.constant_of(id)? * result.fact("error_estimate")?,
         Within::Relative(id) => result.constant_of(id)? * wanted.abs(),
     })
 }

@@ -3,7 +3,8 @@
 use crate::method::Method;
 use crate::prepared::{Prepared, output};
 use crate::run::{Runs, Theirs, event, name_of, own_end};
-use crate::statement::{Above, Expectation, Id, Instant, Left, TextKind, Which};
+use crate::statement::{Expectation, Id, Instant, Left, Side, TextKind, Which};
+use hangtime::derivative::{OneSided, SequenceRange};
 use hangtime::ocp::Solution;
 use hangtime::prelude::*;
 use hangtime_units::Unit;
@@ -170,13 +171,13 @@ impl Found<'_> {
         &self,
         of: &Left,
         by: &str,
-        side: Option<Above>,
+        side: Option<Side>,
         instant: &Instant,
     ) -> Result<f64, Unmet> {
         let unmet = |why: String| (why, None);
         let runs = match self.result {
             Of::Run(_, runs) => runs,
-            Of::Solution(solution) => return of_optimum(solution, of, by),
+            Of::Solution(solution) => return of_optimum(solution, of, by, side),
         };
         let end = own_end(self.prepared, instant).map_err(unmet)?;
         let both = match runs.gradients(end) {
@@ -193,17 +194,16 @@ impl Found<'_> {
             else {
                 return because(format!("there are no derivatives by `{by}`"));
             };
-            let values = match (side, &gradient.one_sided) {
-                (None, _) if gradient.obstacle.is_some() => {
-                    return because(gradient.obstacle.clone().unwrap_or_default());
+            let rows = match (side, &gradient.one_sided) {
+                (None, _) if gradient.obstacles[column].is_some() => {
+                    return because(gradient.obstacles[column].clone().unwrap_or_default());
                 }
-                (None, _) => &gradient.values,
-                (Some(Above(true)), Some(sides)) => &sides.above.values,
-                (Some(Above(false)), Some(sides)) => &sides.below.values,
+                (None, _) => gradient.values.iter().map(|known| &known.1).collect(),
+                (Some(side), Some(sides)) => rows_of(sides, side),
                 (Some(_), None) => return because("it has derivatives to both sides"),
             };
-            match values.iter().find(|known| known.0 == name) {
-                Some((_, row)) => found.push(row[column]),
+            match gradient.values.iter().position(|known| known.0 == name) {
+                Some(place) => found.push(rows.get(place).map_or(0.0, |row| row[column])),
                 None => return because(format!("`{name}` was not differentiated")),
             }
         }
@@ -213,6 +213,36 @@ impl Found<'_> {
         match agree || forward == adjoint {
             true => Ok(forward),
             false => because(format!("{forward:?} forwards and {adjoint:?} backwards")),
+        }
+    }
+
+    /// Why there are no derivatives by a quantity, and how far it may go until the order of events is another.
+    pub(crate) fn reach(&self, by: &str) -> Result<(&str, Option<&SequenceRange>), Unmet> {
+        let (column, obstacles, ranges) = match self.result {
+            Of::Run(_, runs) => match runs.gradients(None) {
+                Some(Ok([of, _])) => (
+                    of.with_respect_to.iter().position(|known| known == by),
+                    &of.obstacles,
+                    &of.ranges,
+                ),
+                Some(Err(error)) => return because(error.clone()),
+                None => return because("it was not differentiated"),
+            },
+            Of::Solution(solution) => match &solution.gradient {
+                Some(of) => (
+                    of.names.iter().position(|known| *known == by),
+                    &of.obstacles,
+                    &of.ranges,
+                ),
+                None => return because("the optimum has no derivatives"),
+            },
+        };
+        match column {
+            Some(column) => {
+                let obstacle = obstacles[column].as_deref().unwrap_or_default();
+                Ok((obstacle, ranges.get(column)))
+            }
+            None => because(format!("there are no derivatives by `{by}`")),
         }
     }
 
@@ -251,15 +281,26 @@ impl Found<'_> {
             }
             (TextKind::Diagnosis, Of::Run(..)) => {
                 let diagnosis = self.motion()?.status.diagnosis();
-                diagnosis.map_or_else(String::new, |known| known.message.clone())
+                let contacts = self.motion()?.declaration.contacts;
+                diagnosis.map_or_else(String::new, |known| match known.contact {
+                    Some(contact) => format!("{} at {}", known.message, contacts[contact].name),
+                    None => known.message.clone(),
+                })
             }
-            (TextKind::Obstacle, Of::Run(_, runs)) => match runs.gradients(None) {
-                Some(Ok([gradient, _])) => gradient.obstacle.clone().unwrap_or_default(),
-                Some(Err(error)) => error.clone(),
-                None => return because("it was not differentiated"),
-            },
-            (TextKind::Obstacle, Of::Solution(_)) => return because("an optimum has none"),
         })
+    }
+}
+
+/// The rows of chosen values to one side; none where all factors of roots are 0.
+fn rows_of(sides: &OneSided, side: Side) -> Vec<&Vec<f64>> {
+    let of = if side.above {
+        &sides.above
+    } else {
+        &sides.below
+    };
+    match side.root {
+        true => of.roots.iter().skip(of.q.len() + of.v.len()).collect(),
+        false => of.values.iter().map(|known| &known.1).collect(),
     }
 }
 
@@ -270,6 +311,8 @@ fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
         "resimulation_error" => solution.resimulation_error,
         "resimulated_objective" => solution.resimulated_objective,
         "least_time" => return solution.least_time,
+        "residuals.primal" => solution.residuals.primal,
+        "residuals.complementarity" => solution.residuals.complementarity,
         "starts" => solution.starts as f64,
         "counts.programs" => solution.counts.programs as f64,
         "counts.iterations" => solution.counts.iterations as f64,
@@ -280,6 +323,7 @@ fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
 fn of_motion(run: &Simulation, name: &str) -> Option<f64> {
     Some(match name {
         "final_time" => *run.trajectory.time.last()?,
+        "numerical_time" => *run.trajectory.numerical_time.last()?,
         "error_estimate" => return run.error_estimate,
         "residuals.primal" => run.residuals.primal,
         "residuals.dual" => run.residuals.dual,
@@ -295,13 +339,21 @@ fn of_motion(run: &Simulation, name: &str) -> Option<f64> {
 }
 
 /// A derivative of an optimum.
-fn of_optimum(solution: &Solution, of: &Left, by: &str) -> Result<f64, Unmet> {
+fn of_optimum(solution: &Solution, of: &Left, by: &str, side: Option<Side>) -> Result<f64, Unmet> {
     let Some(gradient) = &solution.gradient else {
         return because("the optimum has no derivatives");
     };
     let Some(column) = gradient.names.iter().position(|known| *known == by) else {
         return because(format!("there are no derivatives by `{by}`"));
     };
+    if let Some(side) = side {
+        let place = usize::from(side.above);
+        return match (of, &gradient.sides[column]) {
+            (Left::Fact(name), Some(sides)) if name == "objective" => Ok(sides.objective[place]),
+            (_, Some(sides)) => Ok(sides.final_time.map_or(f64::NAN, |both| both[place])),
+            (_, None) => because("it has derivatives to both sides"),
+        };
+    }
     match of {
         Left::Fact(name) if name == "objective" => Ok(gradient.objective[column]),
         Left::Fact(name) if name == "final_time" => match gradient.final_time[column] {

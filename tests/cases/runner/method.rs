@@ -78,26 +78,41 @@ impl Method {
             Setting::Width(width) => Some(*width),
             _ => None,
         });
+        let fesd = |formulation| {
+            let mut fesd = Fesd {
+                elements: self.elements.unwrap_or(Fesd::default().elements),
+                formulation,
+                rest_velocity,
+                ..Fesd::default()
+            };
+            for setting in settings {
+                match *setting {
+                    Setting::Stages(stages) => fesd.stages = Some(stages),
+                    Setting::Events(most) => fesd.most_events = most,
+                    Setting::Auxiliary(a) => fesd.auxiliary_acceleration = a,
+                    _ => {}
+                }
+            }
+            fesd
+        };
         let run = match self.name {
-            "event" => run.method(EventDriven {
-                rest_velocity,
-                ..EventDriven::default()
-            }),
-            "fesd" => run.method(Fesd {
-                elements: self.elements.unwrap_or(Fesd::default().elements),
-                rest_velocity,
-                ..Fesd::default()
-            }),
-            "freezing" => run.method(Fesd {
-                formulation: StepFormulation::TimeFreezing,
-                rest_velocity,
-                ..Fesd::default()
-            }),
-            "complementarity" => run.method(Fesd {
-                formulation: StepFormulation::Complementarity,
-                elements: self.elements.unwrap_or(Fesd::default().elements),
-                ..Fesd::default()
-            }),
+            "event" => {
+                let mut event = EventDriven {
+                    rest_velocity,
+                    ..EventDriven::default()
+                };
+                for setting in settings {
+                    match *setting {
+                        Setting::Events(most) => event.max_events = most,
+                        Setting::Auxiliary(a) => event.auxiliary_acceleration = a,
+                        _ => {}
+                    }
+                }
+                run.method(event)
+            }
+            "fesd" => run.method(fesd(StepFormulation::ActiveSet)),
+            "freezing" => run.method(fesd(StepFormulation::TimeFreezing)),
+            "complementarity" => run.method(fesd(StepFormulation::Complementarity)),
             "moreau" => run.method(Moreau::default()),
             "smooth" => run.method(Smooth {
                 width: width.unwrap_or(Smooth::default().width),

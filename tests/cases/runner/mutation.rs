@@ -81,25 +81,51 @@ pub(crate) fn changed(expectation: &Expectation, chance: &mut Chance) -> Expecta
             Claim::Status(vec![other.unwrap_or_default().to_owned()], None)
         }
         Claim::NotStatus(_) => Claim::Status(vec!["interrupted".to_owned()], None),
-        Claim::Text(kind, words, present) => match *present && chance.coin() {
-            true => Claim::Text(*kind, altered(words), true),
-            false => Claim::Text(*kind, words.clone(), !present),
-        },
-        Claim::Message(code, words, place) => match (words, place) {
-            (Some(words), place) if chance.coin() => {
-                Claim::Message(code.clone(), Some(altered(words)), place.clone())
-            }
-            (words, Some(place)) if chance.coin() => {
-                Claim::Message(code.clone(), words.clone(), Some(altered(place)))
-            }
-            (words, place) => Claim::Message(Some("E99".to_owned()), words.clone(), place.clone()),
-        },
+        Claim::Text(kind, words, present) => {
+            let (words, present) = otherwise(words, *present, chance);
+            Claim::Text(*kind, words, present)
+        }
+        Claim::Obstacle(by, words, present) => {
+            let (words, present) = otherwise(words, *present, chance);
+            Claim::Obstacle(by.clone(), words, present)
+        }
+        Claim::Limit(by, side, limit) => {
+            let (change, words) = limit.clone().unwrap_or_default();
+            let (words, kept) = otherwise(&words, true, chance);
+            changed.moved = if kept { 0.0 } else { moved };
+            Claim::Limit(by.clone(), *side, Some((change, words)))
+        }
+        Claim::Message(code, words, place) => message((code, words, place), chance),
         Claim::Certificate(name) => {
             let other = if name == "S" { "B" } else { "S" };
             Claim::Certificate(other.to_owned())
         }
     };
     changed
+}
+
+/// Other words, or the same as absent where they are present.
+fn otherwise(words: &str, present: bool, chance: &mut Chance) -> (String, bool) {
+    match present && !words.is_empty() && chance.coin() {
+        true => (altered(words), true),
+        false => (words.to_owned(), !present),
+    }
+}
+
+/// A message with another code, other words or another place.
+fn message(
+    (code, words, place): (&Option<String>, &Option<String>, &Option<String>),
+    chance: &mut Chance,
+) -> Claim {
+    match (words, place) {
+        (Some(words), place) if chance.coin() => {
+            Claim::Message(code.clone(), Some(altered(words)), place.clone())
+        }
+        (words, Some(place)) if chance.coin() => {
+            Claim::Message(code.clone(), words.clone(), Some(altered(place)))
+        }
+        (words, place) => Claim::Message(Some("E99".to_owned()), words.clone(), place.clone()),
+    }
 }
 
 fn of_kind(kind: EventKind) -> Which {

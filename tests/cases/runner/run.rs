@@ -267,12 +267,15 @@ fn simulated(block: &Block, prepared: &Prepared, method: &Method) -> Result<Runs
     };
     let mut asked = Asked::new();
     for expectation in &block.expectations {
-        let Claim::Value(left, instant, ..) = &expectation.claim else {
-            continue;
-        };
         if !named(block, expectation).contains(method) {
             continue;
         }
+        if let Claim::Limit(by, ..) | Claim::Obstacle(by, ..) = &expectation.claim {
+            asked.entry(None).or_default().1.push(by.clone());
+        }
+        let Claim::Value(left, instant, ..) = &expectation.claim else {
+            continue;
+        };
         let end = own_end(prepared, instant)?;
         if let Left::Derivative(of, by, _) = left {
             let of = name_of(prepared, of, &runs.whole)?;
@@ -379,7 +382,9 @@ fn solved(
         .expectations
         .iter()
         .filter_map(|expectation| match &expectation.claim {
-            Claim::Value(Left::Derivative(_, by, _), ..) => Some(by.as_str()),
+            Claim::Value(Left::Derivative(_, by, _), ..)
+            | Claim::Limit(by, ..)
+            | Claim::Obstacle(by, ..) => Some(by.as_str()),
             _ => None,
         });
     let mut by: Vec<&str> = by.collect();

@@ -20,6 +20,12 @@ pub(crate) enum Setting {
     /// Width of smoothed steps.
     Width(f64),
     Steps(usize),
+    /// Stages of an element.
+    Stages(usize),
+    /// Most events of a run.
+    Events(usize),
+    /// Acceleration of the auxiliary dynamics.
+    Auxiliary(f64),
     Intervals(usize),
     Starts(usize),
     /// Controls that are linear on intervals.
@@ -81,10 +87,11 @@ fn one(item: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Vec<Setting>, Stri
         return Ok(each.map(|text| Setting::Horizon(add(text))).collect());
     }
     type Measured = fn(f64) -> Setting;
-    let numbers: [(&str, Measured); 3] = [
+    let numbers: [(&str, Measured); 4] = [
         ("tolerance", Setting::Tolerance),
         ("rest", Setting::Rest),
         ("width", Setting::Width),
+        ("auxiliary", Setting::Auxiliary),
     ];
     for (word, setting) in numbers {
         if let Some(text) = behind(item, word) {
@@ -93,8 +100,10 @@ fn one(item: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Vec<Setting>, Stri
         }
     }
     type Counted = fn(usize) -> Setting;
-    let counts: [(&str, Counted); 3] = [
+    let counts: [(&str, Counted); 5] = [
         ("steps", Setting::Steps),
+        ("stages", Setting::Stages),
+        ("events", Setting::Events),
         ("intervals", Setting::Intervals),
         ("starts", Setting::Starts),
     ];

@@ -74,6 +74,8 @@ pub(crate) enum Within {
     Absolute(Id),
     /// As a share of what is expected.
     Relative(Id),
+    /// So many times the error that the run itself estimates.
+    Estimated(Id),
 }
 
 /// Which event.
@@ -119,14 +121,17 @@ pub(crate) enum Left {
     /// How many events there are.
     Count(Option<Which>),
     /// A derivative of a value or of the time of an event by a quantity, on a side where it has only such.
-    Derivative(Box<Left>, String, Option<Above>),
+    Derivative(Box<Left>, String, Option<Side>),
     /// The time of an event, from the start or from another one on.
     EventTime(Option<Which>, Which),
 }
 
-/// A side of a quantity: towards larger values, if it is true.
+/// A side of a quantity, and whether the factor of the root of its change is asked for in the place of a derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Above(pub(crate) bool);
+pub(crate) struct Side {
+    pub(crate) above: bool,
+    pub(crate) root: bool,
+}
 
 /// What is claimed.
 #[derive(Debug, Clone)]
@@ -143,31 +148,39 @@ pub(crate) enum Claim {
     Constant(Id),
     Status(Vec<String>, Option<Id>),
     NotStatus(String),
-    /// One of the texts that a run has: `note`, `diagnosis`, `obstacle`, `warning`, `refusal`.
+    /// One of the texts that a run has: `note`, `diagnosis`, `warning`, `refusal`.
     Text(TextKind, String, bool),
     /// A mistake of the scene: its code, words, and a text of the scene that it is about.
     Message(Option<String>, Option<String>, Option<String>),
     Certificate(String),
+    /// Why there are no derivatives by a quantity: words that are there or not.
+    Obstacle(String, String, bool),
+    /// How far a quantity may go to one side until the order of events is another, and why; or that it may go on.
+    Limit(String, Above, Option<(Id, String)>),
 }
+
+/// A side of a quantity: towards larger values, if it is true.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Above(pub(crate) bool);
 
 /// Where a text is looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TextKind {
     Note,
     Diagnosis,
-    Obstacle,
     Warning,
     Refusal,
 }
 
 /// Numbers that a result has besides what moves.
-const FACTS: [&str; 10] = [
+const FACTS: [&str; 11] = [
     "residuals.primal",
     "residuals.dual",
     "residuals.complementarity",
     "starts",
     "objective",
     "final_time",
+    "numerical_time",
     "error_estimate",
     "resimulation_error",
     "least_time",
@@ -226,10 +239,14 @@ fn expectation(
     };
     let mut add = |text: &str| expressions.add(line.number, text);
     let (text, within) = match split_last(text, " within ") {
-        Some((before, tolerance)) => match tolerance.strip_suffix("relative") {
-            Some(share) => (before, Within::Relative(add(share))),
-            None => (before, Within::Absolute(add(tolerance))),
-        },
+        Some((before, tolerance)) => {
+            let suffixes = ["relative", "estimated"].map(|word| tolerance.strip_suffix(word));
+            match suffixes {
+                [Some(share), _] => (before, Within::Relative(add(share))),
+                [_, Some(factor)] => (before, Within::Estimated(add(factor))),
+                _ => (before, Within::Absolute(add(tolerance))),
+            }
+        }
         None => (text, Within::Promised),
     };
     let (text, snapshot) = match behind(text, "snapshot") {
@@ -252,7 +269,6 @@ fn claim(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Claim, String> {
     for (word, kind) in [
         ("note", TextKind::Note),
         ("diagnosis", TextKind::Diagnosis),
-        ("obstacle", TextKind::Obstacle),
         ("warning", TextKind::Warning),
         ("refusal", TextKind::Refusal),
     ] {
@@ -263,6 +279,19 @@ fn claim(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Claim, String> {
             };
             return Ok(Claim::Text(kind, words.to_owned(), absent.is_none()));
         }
+    }
+    if let Some(rest) = behind(rest, "obstacle") {
+        let (by, words) = rest.split_at(rest.find('"').unwrap_or(rest.len()));
+        let words = if words.is_empty() {
+            ""
+        } else {
+            quoted(words)?.0
+        };
+        let (by, words) = (by.trim().to_owned(), words.to_owned());
+        return Ok(Claim::Obstacle(by, words, absent.is_none()));
+    }
+    if let Some(rest) = behind(rest, "limit") {
+        return limit(rest, absent.is_some(), add);
     }
     if let Some(rest) = absent {
         return Ok(match behind(rest, "status") {
@@ -337,6 +366,21 @@ fn which(text: &str) -> Result<Which, String> {
     })
 }
 
+/// `above NAME == CHANGE "WORDS"`, or `above NAME` where there is none.
+fn limit(text: &str, none: bool, add: &mut dyn FnMut(&str) -> Id) -> Result<Claim, String> {
+    let (side, rest) = text
+        .split_once(' ')
+        .ok_or("a limit is `above` or `below`")?;
+    let side = Above(side == "above");
+    if none {
+        return Ok(Claim::Limit(rest.to_owned(), side, None));
+    }
+    let (name, rest) = split(rest, "==").ok_or("a limit is `above NAME == CHANGE \"WORDS\"`")?;
+    let (change, words) = rest.split_at(rest.find('"').unwrap_or(rest.len()));
+    let change = (add(change), quoted(words)?.0.to_owned());
+    Ok(Claim::Limit(name.to_owned(), side, Some(change)))
+}
+
 /// `[CODE] ["WORDS"] [at "TEXT"]`.
 fn message(text: &str) -> Result<Claim, String> {
     let (what, place) = match split(text, "at ") {
@@ -389,12 +433,17 @@ fn value(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Claim, String> {
     let (left, when) = of_time(left, when, add)?;
     let mut left = left_side(left, add)?;
     if let Some(by) = by {
+        let (by, root) = match by.strip_suffix(" as root") {
+            Some(by) => (by, true),
+            None => (by, false),
+        };
+        let side = |above| Some(Side { above, root });
         let (by, side) = match (
             by.strip_suffix(" from above"),
             by.strip_suffix(" from below"),
         ) {
-            (Some(by), _) => (by, Some(Above(true))),
-            (_, Some(by)) => (by, Some(Above(false))),
+            (Some(by), _) => (by, side(true)),
+            (_, Some(by)) => (by, side(false)),
             _ => (by, None),
         };
         left = Left::Derivative(Box::new(left), by.trim().to_owned(), side);

@@ -55,6 +55,15 @@ pub(crate) fn assert_close(found: f64, right: f64, tolerance: f64, what: &str) {
     );
 }
 
+/// Compares derivatives with others, as good as the motion: tolerances of 1e-12 leave 1e-9.
+#[track_caller]
+pub(super) fn assert_row(found: &[f64], right: &[f64], what: &str) {
+    assert_eq!(found.len(), right.len());
+    for (k, (found, right)) in found.iter().zip(right).enumerate() {
+        assert_close(*found, *right, 1e-9, &format!("{what}, quantity {k}"));
+    }
+}
+
 /// Whether there are derivatives; if not, why.
 #[track_caller]
 pub(crate) fn assert_exists(gradient: &Gradient) {

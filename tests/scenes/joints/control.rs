@@ -1,8 +1,9 @@
-//! Sizes of programs of scenes with joints, and a wheel; optima stand in `tests/cases/optima.md`.
+//! Sizes of programs and of elements of scenes with joints, and a wheel; optima stand in `tests/cases/optima.md`.
 
 use super::scene;
 use hangtime::ocp::{Problem, Settings, program_sizes};
 use hangtime::prelude::*;
+use hangtime::simulation::{InitialValueProblem, step_sizes};
 use hangtime_scene_files::TextScene;
 
 /// A wheel that runs into a wall and has to come back to a `place` \[m\] in a time \[s\]: rolling by a joint, and by its angle alone.
@@ -57,5 +58,35 @@ fn joints_add_neither_unknowns_nor_equations_to_a_program() -> Result<(), InputE
     // A position and a velocity at four stages of three intervals.
     assert_eq!(joints.map(|group| group.size.equalities), Some(2 * 4 * 3));
     assert!(free.groups.iter().all(|group| group.name != "joints"));
+    Ok(())
+}
+
+const HEAD: &str = "parameters { m: kg = 1, g: m/s^2 = 9.81, l: m = 1.5 }
+    coordinates { x: m, z: m, phi: rad }
+    lagrangian m/2*(dot(x)^2 + dot(z)^2) + m*l^2/2*dot(phi)^2 - m*g*z
+    horizon 1 [s]
+";
+
+#[test]
+fn joints_add_their_rows_to_elements_and_nothing_else() -> Result<(), InputError> {
+    let groups = |statements: &str| {
+        let scene = scene(&format!("{HEAD} {statements}"));
+        let problem = InitialValueProblem::of(&scene, None)?;
+        let sizes = step_sizes(&scene, &problem, &Fesd::default())?;
+        let named = |name: &str| {
+            let found = sizes[0].groups.iter().find(|group| group.name == name);
+            found.map_or((0, 0), |group| {
+                (group.size.variables, group.size.jacobian_nonzeros)
+            })
+        };
+        Ok::<_, InputError>((named("state"), named("joints")))
+    };
+    let (free, none) = groups("")?;
+    assert_eq!(none, (0, 0));
+    // What moves positions and velocities onto it at the end of the element.
+    let (held, joints) = groups("joint rod: x^2 + z^2 == l^2  start { x: l }")?;
+    assert_eq!((held.0, joints), (free.0, (2, 1)));
+    let (rolled, rolling) = groups("joint roll: dot(x) == l*dot(phi)")?;
+    assert_eq!((rolled.0, rolling), (free.0, (1, 1)));
     Ok(())
 }

@@ -1,6 +1,5 @@
 //! Motions of scenes with joints against closed forms, and against coordinates that need none.
 
-mod answers;
 mod control;
 mod freezing;
 mod mechanisms;

@@ -1,4 +1,4 @@
-//! What the tests of the event-driven simulator share.
+//! Runs, and what holds of those by the event-driven simulator.
 
 use super::gap_at;
 use hangtime::model::Model;
@@ -14,7 +14,7 @@ pub(crate) fn accurate() -> EventDriven {
 }
 
 pub(crate) fn run(
-    simulator: &EventDriven,
+    simulator: &dyn Simulator,
     model: &dyn Model,
     problem: &InitialValueProblem,
 ) -> Simulation {

@@ -81,3 +81,16 @@ pub(crate) fn check_energy(
     }
     Ok(())
 }
+
+/// Least-squares slope of log error against log step count, negated.
+pub(crate) fn order(errors: &[(usize, f64)]) -> f64 {
+    let points: Vec<(f64, f64)> = errors
+        .iter()
+        .map(|&(count, error)| ((count as f64).ln(), error.ln()))
+        .collect();
+    let mean =
+        |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+    let covariance = mean(&|p| (p.0 - x) * (p.1 - y));
+    -covariance / mean(&|p| (p.0 - x).powi(2))
+}

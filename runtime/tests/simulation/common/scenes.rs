@@ -79,14 +79,6 @@ pub(crate) fn corner() -> Corner {
     Corner::default()
 }
 
-pub(crate) fn pressed_corner(press: f64) -> Corner {
-    Corner {
-        mass: 1.0,
-        press,
-        ..Corner::default()
-    }
-}
-
 /// The corner with its floor a second time, which the language refuses to declare.
 pub(crate) fn corner_with_double_floor() -> Assembled {
     Assembled::repeating(&corner(), &[0, 1, 0])
