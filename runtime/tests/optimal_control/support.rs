@@ -3,9 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use hangtime::model::Model;
-use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings,
-};
+use hangtime::ocp::{self, Problem, Settings, Solution, Status};
 use hangtime::simulation::EventKind;
 
 /// Digits of an objective or a final time: the solver's tolerance is 1e-9, that of the re-simulation 1e-12.
@@ -15,20 +13,6 @@ pub(crate) const DIGITS: f64 = 1e-7;
 pub(crate) fn one_start() -> Settings {
     let mut settings = Settings::default();
     settings.starts = Some(1);
-    settings
-}
-
-/// The same with controls that are linear in between.
-pub(crate) fn linear() -> Settings {
-    let mut settings = one_start();
-    settings.controls = ControlShape::Linear;
-    settings
-}
-
-/// The same by time-freezing.
-pub(crate) fn time_freezing() -> Settings {
-    let mut settings = one_start();
-    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
     settings
 }
 
