@@ -4,7 +4,6 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{self, Problem, Settings, Solution, Status};
-use hangtime::simulation::EventKind;
 
 /// Digits of an objective or a final time: the solver's tolerance is 1e-9, that of the re-simulation 1e-12.
 pub(crate) const DIGITS: f64 = 1e-7;
@@ -43,12 +42,6 @@ pub(crate) fn assert_program(solution: &Solution, near: f64) {
     let size = solution.objective.abs().max(1.0);
     let apart = (report.objective - solution.objective).abs() / size;
     assert!(apart < near, "{apart:e}: {report:?} {}", solution.objective);
-}
-
-/// The kinds of the switches of a plan.
-pub(crate) fn kinds(solution: &Solution) -> Vec<EventKind> {
-    let events = solution.planned_events.iter();
-    events.map(|event| event.1).collect()
 }
 
 /// The largest violation between the places where conditions are imposed.
