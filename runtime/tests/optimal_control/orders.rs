@@ -4,9 +4,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::attempt;
+use crate::support::{attempt, one_start};
 use hangtime::model::Model;
-use hangtime::ocp::{Formulation, Settings, TimeFreezingSettings};
+use hangtime::ocp::{Formulation, Settings, Status, TimeFreezingSettings};
 use hangtime::prelude::*;
 use hangtime::rk::Scheme;
 
@@ -149,5 +149,44 @@ fn gauss_schemes_keep_theirs_without_a_stage_at_the_end() {
                 "{name}, {stages} stages: {measured}"
             );
         }
+    }
+}
+
+hangtime::model! {
+    /// A sledge that is pushed over rough hills from rest to rest.
+    Hills {
+        parameters { m: kg = 2, g: m/s^2 = 10, mu = 0.25, d: m = 2, b: m = 0.1, k: 1/m = 3 }
+        coordinates { y: m, z: m }
+        controls { u: N in -15..=15 }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u }
+        surface floor: z >= b*sin(k*y)
+        impact floor: inelastic, friction mu
+        minimize time
+        finally { y == d, dot(y) == 0 }
+    }
+}
+
+#[test]
+fn sliding_over_hills_is_as_accurate_as_the_scheme() {
+    // Two stages are of order 3. The largest distance is there to keep the grid as it is.
+    let error = |elements: usize| {
+        let mut settings = one_start();
+        settings.stages = 2;
+        settings.elements = elements;
+        settings.largest_distance = 1.0;
+        let solution = attempt(&Hills::default(), 8, &settings);
+        assert_eq!(
+            solution.status,
+            Status::Solved,
+            "{:?}",
+            solution.diagnosis()
+        );
+        solution.resimulation_error
+    };
+    let errors = [error(2), error(4), error(8)];
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((2.5..3.7).contains(&order), "{errors:?}");
     }
 }

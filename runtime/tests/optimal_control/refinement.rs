@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::{DIGITS, attempt, kinds, one_start, solve};
+use crate::support::{attempt, one_start};
 use hangtime::ocp::{self, ControlShape, Problem, Settings, Solution, Status};
-use hangtime::simulation::{EventKind, Fesd, InitialValueProblem, Simulator};
+use hangtime::simulation::{Fesd, InitialValueProblem, Simulator};
 
 hangtime::model! {
     /// A cart that has to pass a narrow magnet on its way.
@@ -131,42 +131,6 @@ fn smaller_distances_ask_for_more_elements_and_coarse_scenes_for_none() {
 }
 
 hangtime::model! {
-    /// Two light wheels on springs under a body, which has to cross a ditch: each leaves the ground at its edge, and lands in it.
-    Ditch {
-        parameters { g = 9.81 }
-        coordinates { y, rear, front, body }
-        controls { drive in -6..=6, lift in -30..=30 }
-        fn ground(y) = -0.2*exp(-8*(y - 2)^2)
-        lagrangian dot(y)^2 + (dot(rear)^2 + dot(front)^2)/10 + dot(body)^2/2 - g*(rear/5 + front/5 + body) - 40*(body - rear - 0.4)^2 - 40*(body - front - 0.4)^2
-        dissipation 2*(dot(body) - dot(rear))^2 + 2*(dot(body) - dot(front))^2
-        forces { y: drive, body: lift, rear: -lift/2, front: -lift/2 }
-        surface wheel_rear: rear >= ground(y - 0.4)
-        surface wheel_front: front >= ground(y + 0.4)
-        impact wheel_rear, wheel_front: inelastic
-        minimize integral(drive^2 + lift^2/50)
-        finally { y == 4, dot(y) == 0 }
-        start { body: 0.34 }
-        horizon 3
-    }
-}
-
-/// On 10 intervals the polynomials of the positions dip by 1e-4 into the ground right after a wheel leaves it, where the velocities do not:
-/// conditions on the gaps there kept every program from a solution.
-#[test]
-fn flights_of_fast_wheels_on_a_coarse_grid_are_no_penetrations() {
-    let solution = attempt(&Ditch::default(), 10, &one_start());
-    assert_eq!(
-        solution.status,
-        Status::Solved,
-        "{:?}",
-        solution.diagnosis()
-    );
-    assert!(solution.resimulation_error < 1e-6);
-    let (lifts, lands) = (EventKind::LiftOff, EventKind::Impact);
-    assert_eq!(kinds(&solution), [lifts, lands, lifts, lands]);
-}
-
-hangtime::model! {
     /// A car on a rail with a weak engine, in a valley with a springy buffer, has to get onto the hill in least time.
     Valley {
         parameters { m = 1, g = 10, e = 0.8 }
@@ -189,35 +153,6 @@ fn search_takes_finer_elements_where_most_plans_are_no_motions() {
     // With one element of half a second plans run through the hill.
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
     assert!(solution.elements.iter().all(|&elements| elements >= 2));
-}
-
-hangtime::model! {
-    /// A bead at the end of a rod that is turned: it presses outwards the more the faster the rod is, and not at all at first.
-    Spun {
-        parameters { i = 0.3, m = 0.2, l = 0.6 }
-        coordinates { q, r }
-        controls { u in -8..=8 }
-        lagrangian i/2*dot(q)^2 + m/2*(dot(r)^2 + r^2*dot(q)^2)
-        forces { q: u }
-        surface rim: r <= l
-        impact rim: inelastic
-        minimize integral(u^2)
-        finally { q == 1 }
-        start { r: l }
-        horizon 1
-    }
-}
-
-#[test]
-fn contact_that_begins_without_a_force_is_closed_from_the_start() {
-    for intervals in [8, 10] {
-        let solution = solve(&Spun::default(), intervals, &one_start());
-        // Controls in proportion to the time that is left in the middle of each interval.
-        let inertia: f64 = 0.3 + 0.2 * 0.6 * 0.6;
-        let effort = 3.0 * inertia.powi(2) / (1.0 - 0.25 / (intervals * intervals) as f64);
-        let off = (solution.objective - effort).abs() / effort;
-        assert!(off < DIGITS, "{intervals}: {} {effort}", solution.objective);
-    }
 }
 
 hangtime::model! {

@@ -132,47 +132,6 @@ hangtime::model! {
     }
 }
 
-hangtime::model! {
-    /// A switch that is pulled to its far stop and rests there, against a spring that drives it apart.
-    Switch {
-        parameters { m: kg = 23, k: N/m = 0.9, gap: m = 1.4, push: N = 1, e = 0.2 }
-        coordinates { x: m }
-        controls { u in -1..=3 }
-        lagrangian m/2*dot(x)^2 - k/2*x^2
-        forces { x: push*u }
-        surface open: x >= 0
-        surface closed: x <= gap
-        impact open, closed: restitution e
-        minimize time
-        finally { x == gap, dot(x) == 0 }
-        horizon 10 [s]
-    }
-}
-
-/// Lengths and forces that are a million times smaller leave the time as it is, though the scene is written in metres: the distances that
-/// the method keeps by itself are no longer than those of the scene allow.
-#[test]
-fn switch_of_micrometres_closes_as_fast_as_one_of_metres() {
-    let time = |size: f64| {
-        let switch = Switch {
-            gap: 1.4 * size,
-            push: size,
-            ..Switch::default()
-        };
-        let solution = ocp::solve(
-            &switch,
-            &Problem::of(&switch, 10),
-            &one_start(),
-            &mut |_| true,
-        )
-        .unwrap();
-        assert_eq!(solution.status, Status::Solved, "{size}");
-        solution.objective
-    };
-    let [usual, small] = [1.0, 1e-6].map(time);
-    assert!((small / usual - 1.0).abs() < 1e-6, "{small} {usual}");
-}
-
 /// What is drawn for a control without a range comes from the scene, not from the unit that it is stated in.
 #[test]
 fn random_guesses_of_unbounded_controls_lead_to_the_same_optimum_in_any_unit() {
@@ -203,63 +162,6 @@ fn cpu_time_is_reported_by_kind_of_work() {
     // What is left is simulation and bookkeeping.
     let known = seconds.evaluate + seconds.factorize + seconds.solve;
     assert!(known < seconds.total, "{seconds:?}");
-}
-
-hangtime::model! {
-    /// A bob hangs on a winch, which swings it up.
-    Winch {
-        parameters { m: kg = 1, g: m/s^2 = 9.81 }
-        coordinates { r: m in 0.5..=1.5, theta: rad }
-        controls { f: N in 0..=40 }
-        let bob = (r*sin(theta), -r*cos(theta))
-        lagrangian m/2*|dot(bob)|^2 - m*g*bob.z
-        forces { r: -f }
-        minimize integral((f - m*g)^2)
-        finally { theta == 0.9 [rad], dot(theta) == 0 [rad/s] }
-        start { r: 1 [m], theta: 0.2 [rad] }
-        horizon 4 [s]
-    }
-}
-
-hangtime::model! {
-    /// The same between two walls that it stays away from.
-    WinchBetweenWalls {
-        parameters { m: kg = 1, g: m/s^2 = 9.81, wide: m = 1.2 }
-        coordinates { r: m in 0.5..=1.5, theta: rad }
-        controls { f: N in 0..=40 }
-        let bob = (r*sin(theta), -r*cos(theta))
-        lagrangian m/2*|dot(bob)|^2 - m*g*bob.z
-        forces { r: -f }
-        surface left: bob.y >= -wide
-        surface right: bob.y <= wide
-        impact left, right: restitution 0.3
-        minimize integral((f - m*g)^2)
-        finally { theta == 0.9 [rad], dot(theta) == 0 [rad/s] }
-        start { r: 1 [m], theta: 0.2 [rad] }
-        horizon 4 [s]
-    }
-}
-
-#[test]
-fn walls_beside_a_body_that_falls_do_not_change_its_motion() {
-    // Nothing accelerates it towards a wall at the start but rounding errors, which programs must not be measured in.
-    let solved = |model: &dyn Model| {
-        let solution = support::attempt(model, 10, &Settings::default());
-        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
-        solution
-    };
-    let alone = solved(&Winch::default());
-    for wide in [1.2, 1.3] {
-        let between = WinchBetweenWalls {
-            wide,
-            ..WinchBetweenWalls::default()
-        };
-        let between = solved(&between);
-        let off = (between.objective - alone.objective).abs();
-        assert!(off < 2e-6 * alone.objective, "{wide} {}", between.objective);
-        let motion = between.motion.unwrap();
-        assert!(motion.events.is_empty(), "{:?}", motion.events);
-    }
 }
 
 hangtime::model! {

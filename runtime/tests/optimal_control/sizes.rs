@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::{one_start, solve};
 use hangtime::model::Model;
 use hangtime::ocp::{Formulation, Problem, Settings, TimeFreezingSettings, program_sizes};
 use hangtime::simulation::{
@@ -500,4 +501,105 @@ fn free_final_time_adds_one_variable() {
         [goal, (FINAL_TIME, [1, 0, 0, 0, 6, 0])]
     );
     assert_eq!(added_kernels(&timeless), Vec::<&str>::new());
+}
+
+hangtime::model! {
+    /// A hop from a floor and back to it; the floor may have friction.
+    Hop {
+        parameters { m: kg = 1, g: m/s^2 = 10, mu = 0, d: m = 0.5 }
+        coordinates { y: m, z: m }
+        controls { u: N in -10..=10, p: N in 0..=30 }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u, z: p }
+        surface floor: z >= 0
+        impact floor: inelastic, friction mu
+        minimize integral(u^2 + p^2)
+        finally { y == d, dot(y) == 0 }
+        horizon 1 [s]
+        start { z: 0.3 [m] }
+    }
+}
+
+hangtime::model! {
+    /// The same without a word of friction.
+    SmoothHop {
+        parameters { m: kg = 1, g: m/s^2 = 10, d: m = 0.5 }
+        coordinates { y: m, z: m }
+        controls { u: N in -10..=10, p: N in 0..=30 }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u, z: p }
+        surface floor: z >= 0
+        impact floor: inelastic
+        minimize integral(u^2 + p^2)
+        finally { y == d, dot(y) == 0 }
+        horizon 1 [s]
+        start { z: 0.3 [m] }
+    }
+}
+
+#[test]
+fn friction_of_zero_is_no_friction_and_costs_nothing() {
+    let zero = solve(&Hop::default(), 4, &one_start());
+    let none = solve(&SmoothHop::default(), 4, &one_start());
+    assert_eq!(zero.size, none.size);
+    assert_eq!(zero.planned_events, none.planned_events);
+    assert_eq!(zero.counts, none.counts);
+    assert_eq!(zero.objective, none.objective);
+}
+
+hangtime::model! {
+    /// A mass that is pushed along a dry rail with little effort.
+    Rail {
+        parameters { m: kg = 2, f: N = 5, d: m = 1, length: s = 1.2 }
+        coordinates { y: m }
+        controls { u: N in -30..=30 }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        dry friction rail: bound f, sliding dot(y)
+        minimize integral(u^2)
+        finally { y == d, dot(y) == 0 }
+        horizon length
+    }
+}
+
+hangtime::model! {
+    /// The same as a block on a rough floor, of which `m g mu` is the bound.
+    Block {
+        parameters { m: kg = 2, g: m/s^2 = 10, mu = 0.25, d: m = 1, length: s = 1.2 }
+        coordinates { y: m, z: m }
+        controls { u: N in -30..=30 }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u }
+        surface floor: z >= 0
+        impact floor: inelastic, friction mu
+        minimize integral(u^2)
+        finally { y == d, dot(y) == 0 }
+        horizon length
+    }
+}
+
+#[test]
+fn rail_has_neither_height_nor_gap() {
+    let sizes = |model: &dyn Model| {
+        let problem = Problem::of(model, 4);
+        let sizes = program_sizes(model, &problem, &one_start()).unwrap();
+        sizes
+            .iter()
+            .map(|size| {
+                let all = size.groups.iter();
+                all.map(|group| group.size.variables).sum::<usize>()
+            })
+            .collect::<Vec<_>>()
+    };
+    let (rail, block) = (sizes(&Rail::default()), sizes(&Block::default()));
+    assert!(!rail.is_empty() && rail.iter().zip(&block).all(|(own, its)| own < its));
+    let gaps = program_sizes(
+        &Rail::default(),
+        &Problem::of(&Rail::default(), 4),
+        &one_start(),
+    );
+    for size in gaps.unwrap() {
+        let gap = size.groups.iter().find(|group| group.name == "gap");
+        assert!(gap.is_none(), "{}", size.formulation);
+    }
 }

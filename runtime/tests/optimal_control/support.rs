@@ -3,10 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use hangtime::model::Model;
-use hangtime::ocp::{
-    self, ControlShape, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings,
-};
-use hangtime::simulation::EventKind;
+use hangtime::ocp::{self, Problem, Settings, Solution, Status};
 
 /// Digits of an objective or a final time: the solver's tolerance is 1e-9, that of the re-simulation 1e-12.
 pub(crate) const DIGITS: f64 = 1e-7;
@@ -15,20 +12,6 @@ pub(crate) const DIGITS: f64 = 1e-7;
 pub(crate) fn one_start() -> Settings {
     let mut settings = Settings::default();
     settings.starts = Some(1);
-    settings
-}
-
-/// The same with controls that are linear in between.
-pub(crate) fn linear() -> Settings {
-    let mut settings = one_start();
-    settings.controls = ControlShape::Linear;
-    settings
-}
-
-/// The same by time-freezing.
-pub(crate) fn time_freezing() -> Settings {
-    let mut settings = one_start();
-    settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
     settings
 }
 
@@ -59,12 +42,6 @@ pub(crate) fn assert_program(solution: &Solution, near: f64) {
     let size = solution.objective.abs().max(1.0);
     let apart = (report.objective - solution.objective).abs() / size;
     assert!(apart < near, "{apart:e}: {report:?} {}", solution.objective);
-}
-
-/// The kinds of the switches of a plan.
-pub(crate) fn kinds(solution: &Solution) -> Vec<EventKind> {
-    let events = solution.planned_events.iter();
-    events.map(|event| event.1).collect()
 }
 
 /// The largest violation between the places where conditions are imposed.

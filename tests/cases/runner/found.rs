@@ -305,6 +305,20 @@ fn rows_of(sides: &OneSided, side: Side) -> Vec<&Vec<f64>> {
 }
 
 fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
+    if let Some(name) = name.strip_prefix("time_freezing.") {
+        let program = solution.time_freezing.as_ref()?;
+        return Some(match name {
+            "objective" => program.objective,
+            "error" => {
+                let apart = (program.objective - solution.objective).abs();
+                apart / solution.objective.abs().max(1.0)
+            }
+            "residuals.primal" => program.residuals.primal,
+            "residuals.complementarity" => program.residuals.complementarity,
+            "left_out" => program.left_out.len() as f64,
+            _ => return None,
+        });
+    }
     Some(match name {
         "objective" => solution.objective,
         "final_time" => solution.horizon,
@@ -316,6 +330,19 @@ fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
         "starts" => solution.starts as f64,
         "counts.programs" => solution.counts.programs as f64,
         "counts.iterations" => solution.counts.iterations as f64,
+        "counts.contact_implicit" => solution.counts.global_iterations as f64,
+        // Largest violation between the places where conditions are imposed.
+        "excess" => {
+            let amounts = solution.excess.iter().map(|excess| excess.amount);
+            amounts.fold(0.0, f64::max)
+        }
+        "shortest_time" => solution.final_times.0,
+        "longest_time" => solution.final_times.1,
+        "objective_error" => solution.resimulated_objective - solution.objective,
+        "counts.margins" => solution.margins.len() as f64,
+        // What the distances that the method keeps cost together.
+        "margins" => solution.margins.iter().map(|margin| margin.cost).sum(),
+        "size.variables" => solution.size.variables as f64,
         _ => return None,
     })
 }

@@ -6,7 +6,9 @@ use crate::prepared::{Prepared, Refused, output};
 use crate::setting::{Control, Setting};
 use crate::statement::{Claim, Expectation, Instant, Left, Which};
 use hangtime::derivative::{Gradient, GradientMode};
-use hangtime::ocp::Solution;
+use hangtime::ocp::{
+    ControlNodes, Formulation, Guess, Previous, Settings, Solution, TimeFreezingSettings,
+};
 use hangtime::prelude::*;
 use hangtime_scene_files::{TextMistake, TextScene};
 use std::collections::BTreeMap;
@@ -363,12 +365,13 @@ fn solved(
     prepared: &Prepared,
     scene: &TextScene,
 ) -> Result<Result<Box<Solution>, String>, String> {
-    let mut task = solve(scene);
+    let mut task = solve(scene).settings(chosen(block));
+    if let Some(previous) = previous(block)? {
+        task = task.guess(Guess::Previous(Box::new(previous)));
+    }
     for setting in &block.settings {
         task = match setting {
             Setting::Intervals(intervals) => task.intervals(*intervals),
-            Setting::Starts(starts) => task.starts(*starts),
-            Setting::Linear => task.controls(ControlShape::Linear),
             Setting::Tolerance(tolerance) => task.tolerance(*tolerance),
             Setting::Horizon(id) => task.horizon(prepared.in_unit(*id, "s")?),
             Setting::Start(name, id) => {
@@ -392,4 +395,54 @@ fn solved(
     by.dedup();
     let run = task.gradient(by).run();
     Ok(run.map(Box::new).map_err(|error| error.to_string()))
+}
+
+/// What a block says of how an optimum is looked for.
+fn chosen(block: &Block) -> Settings {
+    let mut settings = Settings::default();
+    let mut freezing = TimeFreezingSettings::default();
+    let frozen = |setting: &Setting| matches!(setting, Setting::Freezing);
+    let frozen = block.settings.iter().any(frozen);
+    for setting in &block.settings {
+        match setting {
+            Setting::Starts(starts) => settings.starts = Some(*starts),
+            Setting::Programs(most) => settings.maximum_programs = *most,
+            Setting::Shape(shape) => settings.controls = *shape,
+            Setting::Aligned => settings.grid = ControlNodes::Aligned,
+            Setting::Stages(stages) if frozen => freezing.stages = *stages,
+            Setting::Stages(stages) => settings.stages = *stages,
+            Setting::Elements(elements) if frozen => freezing.elements = *elements,
+            Setting::Elements(elements) => settings.elements = *elements,
+            _ => {}
+        }
+    }
+    if frozen {
+        settings.formulation = Formulation::TimeFreezing(freezing);
+    }
+    settings
+}
+
+/// The motion that a block starts from.
+fn previous(block: &Block) -> Result<Option<Previous>, String> {
+    let mut before = block.clone();
+    let (mut own, mut changed) = (Vec::new(), Vec::new());
+    for setting in &block.settings {
+        match setting {
+            Setting::Previous(inner) => changed.push(Setting::clone(inner)),
+            other => own.push(other.clone()),
+        }
+    }
+    if changed.is_empty() {
+        return Ok(None);
+    }
+    // The last one of a name counts.
+    before.settings = [own, changed].concat();
+    let prepared = match Prepared::of(&before) {
+        Ok(prepared) => prepared,
+        Err(_) => return Err("the run before has no scene".to_owned()),
+    };
+    let found = solved(&before, &prepared, &prepared.scene)??.previous;
+    found
+        .map(Some)
+        .ok_or("the run before has no motion".to_owned())
 }

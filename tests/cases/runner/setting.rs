@@ -3,6 +3,7 @@
 use crate::method::Method;
 use crate::statement::{Expressions, Id};
 use crate::words::{behind, parts, quoted, split};
+use hangtime::ocp::ControlShape;
 
 /// One setting of a run.
 #[derive(Debug, Clone)]
@@ -20,7 +21,7 @@ pub(crate) enum Setting {
     /// Width of smoothed steps.
     Width(f64),
     Steps(usize),
-    /// Stages of an element.
+    /// Stages of an element, or of a phase.
     Stages(usize),
     /// Most events of a run.
     Events(usize),
@@ -28,13 +29,23 @@ pub(crate) enum Setting {
     Auxiliary(f64),
     Intervals(usize),
     Starts(usize),
-    /// Controls that are linear on intervals.
-    Linear,
+    /// Elements of a phase, or of an interval of the program of the time-freezing system.
+    Elements(usize),
+    /// Most programs of a search.
+    Programs(usize),
+    /// Controls on intervals.
+    Shape(ControlShape),
+    /// By the program of the time-freezing system.
+    Freezing,
+    /// Intervals that are divided among phases.
+    Aligned,
     Control(Control),
     /// A text of the scene, and what stands in its place.
     Replaced(String, String),
     /// Methods in the place of the usual ones.
     By(Vec<Method>),
+    /// A setting of the run whose motion this one starts from, which is as this one otherwise.
+    Previous(Box<Setting>),
     /// Whether it runs with the long tests.
     Long,
 }
@@ -80,6 +91,12 @@ fn one(item: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Vec<Setting>, Stri
     if item.starts_with('"') {
         return replaced(item);
     }
+    if let Some(text) = behind(item, "previous") {
+        let each = one(text, add)?.into_iter();
+        return Ok(each
+            .map(|setting| Setting::Previous(Box::new(setting)))
+            .collect());
+    }
     let number = |text: &str| text.parse().map_err(|_| format!("`{text}` is no number"));
     let whole = |text: &str| text.parse().map_err(|_| format!("`{text}` is no number"));
     if let Some(text) = behind(item, "horizon") {
@@ -100,12 +117,14 @@ fn one(item: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Vec<Setting>, Stri
         }
     }
     type Counted = fn(usize) -> Setting;
-    let counts: [(&str, Counted); 5] = [
+    let counts: [(&str, Counted); 7] = [
         ("steps", Setting::Steps),
         ("stages", Setting::Stages),
         ("events", Setting::Events),
         ("intervals", Setting::Intervals),
         ("starts", Setting::Starts),
+        ("elements", Setting::Elements),
+        ("programs", Setting::Programs),
     ];
     for (word, setting) in counts {
         if let Some(text) = behind(item, word) {
@@ -114,7 +133,10 @@ fn one(item: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Vec<Setting>, Stri
         }
     }
     match item {
-        "linear" => return Ok(vec![Setting::Linear]),
+        "linear" => return Ok(vec![Setting::Shape(ControlShape::Linear)]),
+        "constant" => return Ok(vec![Setting::Shape(ControlShape::Constant)]),
+        "freezing" => return Ok(vec![Setting::Freezing]),
+        "aligned" => return Ok(vec![Setting::Aligned]),
         "long" => return Ok(vec![Setting::Long]),
         _ => {}
     }

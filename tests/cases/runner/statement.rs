@@ -173,7 +173,7 @@ pub(crate) enum TextKind {
 }
 
 /// Numbers that a result has besides what moves.
-const FACTS: [&str; 11] = [
+const FACTS: [&str; 17] = [
     "residuals.primal",
     "residuals.dual",
     "residuals.complementarity",
@@ -185,6 +185,12 @@ const FACTS: [&str; 11] = [
     "resimulation_error",
     "least_time",
     "resimulated_objective",
+    "shortest_time",
+    "longest_time",
+    "objective_error",
+    "excess",
+    "margins",
+    "size.variables",
 ];
 
 /// Reads what stands behind `expect`; `.. with derivatives by a, b` expects those of both sides as well.
@@ -512,7 +518,8 @@ fn left_side(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Left, String
     if let Some(name) = behind(text, "state") {
         return Ok(Left::Named(quoted(name)?.0.to_owned()));
     }
-    if FACTS.contains(&text) || text.starts_with("counts.") {
+    let of_group = ["counts.", "time_freezing."];
+    if FACTS.contains(&text) || of_group.iter().any(|group| text.starts_with(group)) {
         return Ok(Left::Fact(text.to_owned()));
     }
     Ok(Left::Expression(add(text), text.to_owned()))
