@@ -286,7 +286,7 @@ fn solve_stated(
         && !best.status.is_solved()
         && best.status != Status::Infeasible
     {
-        others.sort_by(|a, b| compare(&a, &b));
+        others.sort_by(compare);
         second_round(problem, settings, best, &others, watch)?;
     }
     if let (Some(best), Some(stop), false) = (&mut best, watch.stop, is_shown)
