@@ -20,7 +20,6 @@ const MOST_REPAIRS: usize = 10;
 pub(crate) struct Exact {
     point: nlp::Solution,
     certificate: Certificate,
-    pub(crate) repairs: usize,
 }
 
 impl Exact {
@@ -53,7 +52,6 @@ impl Exact {
         Self {
             certificate,
             point: judge.point,
-            repairs: 0,
         }
     }
 
@@ -180,14 +178,11 @@ fn descend(
     attempts: &[Attempt],
     watch: &mut Watch<'_>,
 ) -> Exact {
-    while exact.repairs < MOST_REPAIRS {
+    for _ in 0..MOST_REPAIRS {
         let Some(next) = repair(problem, settings, &exact, attempts, watch) else {
             break;
         };
-        exact = Exact {
-            repairs: exact.repairs + 1,
-            ..next
-        };
+        exact = next;
     }
     exact
 }
@@ -316,7 +311,6 @@ pub(crate) fn cross_lower(
     let exact = descend(problem, settings, exact, &NEAR, watch);
     let is_better = exact.is_certified();
     if is_better {
-        known.repairs = exact.repairs;
         exact.describe(problem, known);
     }
     is_better

@@ -80,7 +80,6 @@ pub(crate) fn finish(
         iterations: watch.iterations,
         crossover_iterations: watch.crossover_iterations,
         certificate_iterations: watch.certificate_iterations,
-        repairs: 0,
         resumed: false,
         factorizations: watch.factorizations,
         cpu: watch.cpu,
@@ -88,10 +87,7 @@ pub(crate) fn finish(
         violations: relaxed.violations,
     };
     match exact {
-        Some(exact) => {
-            solution.repairs = exact.repairs;
-            exact.describe(problem, &mut solution);
-        }
+        Some(exact) => exact.describe(problem, &mut solution),
         None => name_pairs(problem, settings, &mut solution),
     }
     solution

@@ -70,7 +70,6 @@ fn try_choice(
     };
     let exact = descend_from(problem, settings, vanishes, point, watch);
     let mut solution = start.clone();
-    solution.repairs = exact.repairs;
     exact.describe(problem, &mut solution);
     if compare(&solution, best).is_lt() {
         *best = solution;

@@ -79,8 +79,6 @@ pub struct Solution {
     pub crossover_iterations: usize,
     /// Iterations of the linear programs of certificates, which `iterations` does not hold.
     pub certificate_iterations: usize,
-    /// Changes of the fixed sides after the first crossover.
-    pub(crate) repairs: usize,
     /// Whether the run went on after a first crossover that failed or ended far off.
     pub(crate) resumed: bool,
     /// Factorizations of all runs, certificates included.
