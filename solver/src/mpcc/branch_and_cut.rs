@@ -8,11 +8,14 @@
 use super::linear_program::{LinearProgram, Outcome};
 use super::watch::Watch;
 
-/// Part of the radius that counts as none.
-const NONE: f64 = 1e-6;
+/// Part of the radius that counts as none: a hundred times what the linear programs leave of their rows.
+pub(crate) const NONE: f64 = 1e-6;
 
-/// Least distance from the hull, in units of the radius, that is worth a cut.
+/// Least distance from the hull, in units of the radius, that is worth a cut; 1e-4 to 3e-2 end alike (docs/experiments/complementarity.md).
 const DEPTH: f64 = 1e-3;
+
+/// Linear programs a pair after which cuts begin: random programs with 3 to 12 pairs are decided before.
+const BRANCHES: usize = 2;
 
 /// What became of a search.
 #[derive(Debug, PartialEq)]
@@ -48,7 +51,7 @@ pub(crate) struct PairedProgram<'p> {
 
 impl PairedProgram<'_> {
     /// Looks at the last of `open` first, and at what is left of it with one side of the pair most violated, the smaller one first.
-    /// Twice as many programs as there are pairs find most points and proofs; beyond them it begins anew, with a cut in the place of
+    /// [`BRANCHES`] programs a pair find most points and proofs; beyond them it begins anew, with a cut in the place of
     /// branches wherever there is one.
     pub(crate) fn search(&mut self, mut open: Vec<Node>, watch: &mut Watch<'_>) -> End {
         let free = self.program.upper.clone();
@@ -57,7 +60,7 @@ impl PairedProgram<'_> {
             if self.programs >= self.most_programs || watch.stop.is_some() {
                 return End::Open;
             }
-            if !cuts && self.programs > 2 * self.pairs.len() {
+            if !cuts && self.programs > BRANCHES * self.pairs.len() {
                 (is_proved, cuts) = (true, true);
                 open = vec![(Vec::new(), None)];
                 continue;

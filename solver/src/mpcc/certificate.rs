@@ -1,7 +1,7 @@
 //! What kind of stationary point a feasible point is.
 
 use super::Mpcc;
-use super::branch_and_cut::{End, PairedProgram};
+use super::branch_and_cut::{End, NONE, PairedProgram};
 use super::linear_program::{LinearProgram, Outcome};
 use super::parts::{Part, let_go, of_part, parts};
 use super::watch::Watch;
@@ -57,9 +57,6 @@ const MOST_PROGRAMS: usize = 200;
 
 /// Part of a direction that a row has to leave at least to be let go: it only shortens steps then.
 const FAR: f64 = 1e-2;
-
-/// Part of the radius that counts as none.
-const NONE: f64 = 1e-6;
 
 /// Sign of the multipliers of one biactive pair, each with its tolerance.
 fn classify_pair(nu: [f64; 2], tolerance: [f64; 2]) -> StationarityType {
