@@ -92,6 +92,22 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// The solution of the same problem where one of the objective is `unit`.
+    pub(super) fn times(mut self, unit: f64) -> Self {
+        self.objective *= unit;
+        self.residuals.dual *= unit;
+        let multipliers = [
+            &mut self.multipliers,
+            &mut self.multipliers_lower,
+            &mut self.multipliers_upper,
+        ];
+        nlp::multiply(multipliers, unit);
+        self.history
+            .iter_mut()
+            .for_each(|info| *info = info.times(unit));
+        self
+    }
+
     /// The point with its multipliers, to start from with a barrier parameter.
     pub(crate) fn warm_start(&self, barrier_parameter: f64) -> nlp::WarmStart {
         nlp::WarmStart::of_point(

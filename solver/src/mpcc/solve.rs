@@ -117,6 +117,24 @@ pub fn solve_observed(
 ) -> Result<Solution, InputError> {
     settings.validate()?;
     check_pairs(problem)?;
+    let unit = if settings.interior_point.is_measured {
+        1.0
+    } else {
+        nlp::objective_unit(problem, None, &nlp::Slopes::START)
+    };
+    let mut settings = settings.clone();
+    settings.interior_point.is_measured = true;
+    let mut measured = Variant::measured(problem, unit);
+    let mut see = |info: &nlp::IterationInfo| observer(&info.times(unit));
+    Ok(solve_measured(&mut measured, &settings, &mut see)?.times(unit))
+}
+
+/// As [`solve_observed`], with the objective in the unit that it is stated in.
+fn solve_measured(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<Solution, InputError> {
     let mut watch = Watch::new(settings, observer);
     let watch = &mut watch;
     let first = solve_with(problem, settings, settings.rules[0], watch)?;

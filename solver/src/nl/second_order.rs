@@ -74,7 +74,7 @@ const SOFT: f64 = 1e-9;
 /// The same where a step is asked for: rows that depend on each other and contradict each other by a residual of 1e-9 then change multipliers by
 /// a thousandth.
 const STEP_SOFT: f64 = 1e-6;
-/// Rounding of the gradient, relative to its largest entry, 1 at least: a hundred roundings of one term.
+/// Rounding of the gradient, relative to its largest entry: a hundred roundings of one term.
 const STEP_ROUNDING: f64 = 1e-14;
 /// Most of Newton's steps from the end of a run to a point where curvature can be told.
 const STEPS: usize = 4;
@@ -377,7 +377,7 @@ impl System {
             let Some(place) = *place else { continue };
             // some part of it along any direction
             let share = 0.5 + 0.5 * (i as f64 * GOLDEN_RATIO).fract();
-            right[place] = z[i] - left[i] + rounding * share * STEP_ROUNDING * self.unit.max(1.0);
+            right[place] = z[i] - left[i] + rounding * share * STEP_ROUNDING * self.unit;
         }
         let (mut c, mut below, mut above) = (vec![0.0; m], vec![0.0; m], vec![0.0; m]);
         problem.constraint_values(&x, &mut c);

@@ -76,6 +76,14 @@ impl IterationInfo {
     pub const HEADING: &str = "  iter    objective   inf_pr   inf_du   inf_co lg(mu) lg(sg)    ||d||  lg(rg) alpha_du alpha_pr  ls fa";
 }
 
+impl IterationInfo {
+    /// The line with the objective in a unit.
+    pub(crate) fn times(&self, unit: f64) -> Self {
+        let objective = unit * self.objective;
+        Self { objective, ..*self }
+    }
+}
+
 impl std::fmt::Display for IterationInfo {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let logarithm = |value: f64| {

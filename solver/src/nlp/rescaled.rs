@@ -1,8 +1,8 @@
 //! Runs again where the scale that the objective got at the start hides what is left at the end.
 //!
-//! The objective is scaled by its gradient at the start. Where that is far steeper than the solution is, as for `exp(x)`
-//! from `x = 30`, any point on the way that is flat enough passes the test in that scale, though the gradient of the
-//! user's objective is far from zero. Such a run goes on in the scale of the point where it stopped, until scale and point
+//! The objective is measured by its slopes at the start. Where these are far steeper than at the solution, as for `exp(x) - x`
+//! from `x = 30`, any point on the way that is flat enough passes the test in that unit, though the gradient of the
+//! objective is far from what is zero there. Such a run goes on in the unit of the point where it stopped, until unit and point
 //! belong together.
 //!
 //! The same goes for the units of variables. Where `1e-9 x + 1e9 y` is least on `x y >= 1`, a residual of 1e-3 is nothing beside the gradient
@@ -11,6 +11,7 @@
 //! variables in units of their own size.
 
 use super::method::barrier::Monotone;
+use super::objective_unit::{Slopes, objective_unit, unit_of};
 use super::program::scaling::row_scaling;
 use super::run::{Ended, Start, run_after};
 use super::{
@@ -18,8 +19,7 @@ use super::{
 };
 use crate::linalg::norms::norm_inf;
 
-/// How much larger the scale at the end has to be for another run. What a smaller ratio hides is of the size of the tolerance;
-/// scales lie between 1e-8 and 1, so that there are at most eight runs.
+/// How much larger the scale at the end has to be for another run, and most runs. What a smaller ratio hides is of the size of the tolerance.
 const RATIO: f64 = 10.0;
 const MOST_RUNS: usize = 8;
 
@@ -51,6 +51,7 @@ pub(super) fn rescaled(
         let Some((units, needed)) = hidden(problem, settings, &solution, ended.scale) else {
             break;
         };
+        let unit = 1.0 / needed;
         let complementarity = needed * solution.residuals.complementarity;
         let warm = WarmStart {
             barrier_parameter: complementarity
@@ -69,20 +70,21 @@ pub(super) fn rescaled(
             tolerance: settings.tolerance,
         };
         let tied = (&mut Products::default(), &mut path as &mut _);
-        let mut see = |info: &super::IterationInfo| observer(info);
+        let mut see = |info: &super::IterationInfo| observer(&info.times(unit));
         let mut variant = Variant {
             units,
-            ..Variant::of(&mut *problem)
+            ..Variant::measured(&mut *problem, unit)
         };
-        let warm = in_units(&variant, warm);
+        let warm = in_units(&variant, warm.in_unit(unit));
         let next = run_after(
             &mut variant,
             &near,
             tied,
             Start::Warm(&warm),
             Some(&mut see),
-            Some(solution.clone()),
+            Some(solution.clone().times(needed)),
         );
+        let next = next.map(|(next, ended)| (next.times(unit), ended.times(unit)));
         match next {
             // what goes up from there leads to another solution, if to any
             Ok((next, _)) if rises(&variant, &next, &solution) => {
@@ -143,7 +145,7 @@ fn hidden(
     let terms = largest(&mut |i| (ends.gradient[i] * x[i]).abs()) + solution.objective.abs();
     let unit = |i: usize| {
         let size = x[i].abs();
-        // a variable without bounds may be that small by chance
+        // a variable without a bound there may be that small by chance
         let means = size > *ORDINARY.end() || size > 0.0 && ends.is_bounded[i];
         if means && !ORDINARY.contains(&size) {
             size
@@ -166,17 +168,29 @@ fn hidden(
         0.0
     };
     let left = of_residuals.max(of_bounds);
-    if left > absolute.max(LEFT * terms) {
+    let (is_measured, tolerance) = (settings.is_measured, settings.tolerance);
+    let none = if is_measured {
+        absolute
+    } else {
+        tolerance * tolerance
+    };
+    if left > none.max(LEFT * terms) {
         let steepest = largest(&mut |i| (ends.gradient[i] * units[i]).abs());
-        return Some((units, row_scaling(steepest)));
+        let needed = if is_measured {
+            row_scaling(steepest)
+        } else {
+            1.0 / unit_of(steepest)
+        };
+        return Some((units, needed));
     }
-    // nothing is hidden by a scale of 1
-    if RATIO * scale > 1.0 {
-        return None;
-    }
-    let needed = row_scaling(largest(&mut |i| ends.gradient[i].abs()));
+    let needed = if is_measured {
+        row_scaling(largest(&mut |i| ends.gradient[i].abs()))
+    } else {
+        1.0 / objective_unit(problem, Some(x), &Slopes::END)
+    };
     let gap = GAP * settings.tolerance * needed * solution.objective.abs();
-    let is_large = needed * dual > absolute || needed * complementarity > absolute.max(gap);
+    let is_large =
+        needed * dual > absolute || needed * complementarity > gap.max(RATIO * settings.tolerance);
     let hides = needed >= RATIO * scale && is_large;
     hides.then(|| (Vec::new(), needed))
 }
@@ -186,6 +200,7 @@ struct Ends {
     gradient: Vec<f64>,
     /// The gradient of the Lagrangian.
     left: Vec<f64>,
+    /// Whether a bound lies as near to zero as the variable.
     is_bounded: Vec<bool>,
 }
 
@@ -209,13 +224,11 @@ impl Ends {
                 (gradient[i], left[i]) = (0.0, 0.0);
             }
         }
-        let bounds = lower.iter().zip(&upper);
+        let at_zero = |i: usize| lower[i].abs().min(upper[i].abs()) <= solution.x[i].abs();
         Self {
             gradient,
             left,
-            is_bounded: bounds
-                .map(|(l, u)| l.is_finite() || u.is_finite())
-                .collect(),
+            is_bounded: (0..n).map(at_zero).collect(),
         }
     }
 }

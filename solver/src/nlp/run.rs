@@ -29,6 +29,14 @@ pub(super) struct Ended {
     pub(super) is_close: bool,
 }
 
+impl Ended {
+    /// The end of the run of the same problem where one of the objective is `unit`.
+    pub(super) fn times(self, unit: f64) -> Self {
+        let scale = self.scale / unit;
+        Self { scale, ..self }
+    }
+}
+
 /// Where a run starts.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Start<'s> {

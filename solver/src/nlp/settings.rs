@@ -30,6 +30,9 @@ pub struct Settings {
     /// Whether a run that would end without a solution goes on by other means: from other starts, by Newton's method without a
     /// line search, with rows that give way a little; default true. Complementarity problems have their own means.
     pub persistent: bool,
+    /// Whether slopes of the objective are of the order of one as it is stated; default false: its unit is measured at the start, so that
+    /// an objective times any positive number makes the same run.
+    pub is_measured: bool,
     /// Shift of the dual rows relative to `mu^0.25` that is always on; default 0. Complementarity
     /// problems use 1e-10: their Jacobians lose rank.
     pub(crate) permanent_dual_shift: f64,
@@ -51,6 +54,7 @@ impl Default for Settings {
             bound_push: 1e-2,
             bound_fraction: 1e-2,
             persistent: true,
+            is_measured: false,
             permanent_dual_shift: 0.0,
             untested_steps: 0,
         }

@@ -1,4 +1,4 @@
-//! A problem with something changed: its objective, variables that are fixed at zero, its start, the units of its variables.
+//! A problem with something changed: its objective and the unit of it, variables that are fixed at zero, its start, the units of its variables.
 
 use std::borrow::Cow;
 
@@ -8,6 +8,8 @@ use super::{NlpProblem, Pattern};
 pub(crate) struct Variant<'a, P: ?Sized> {
     pub(crate) problem: &'a mut P,
     pub(crate) objective: Objective,
+    /// Unit in which the objective of the problem is measured.
+    pub(crate) objective_unit: f64,
     /// Variables that are fixed at zero.
     pub(crate) fixed: Vec<bool>,
     /// Where it starts, in the variables of the problem.
@@ -44,9 +46,19 @@ impl<'a, P: NlpProblem + ?Sized> Variant<'a, P> {
         Self {
             problem,
             objective: Objective::Own,
+            objective_unit: 1.0,
             fixed: Vec::new(),
             start: Vec::new(),
             units: Vec::new(),
+        }
+    }
+
+    /// The problem with its objective in a unit.
+    pub(crate) fn measured(problem: &'a mut P, unit: f64) -> Self {
+        let objective_unit = unit;
+        Self {
+            objective_unit,
+            ..Self::of(problem)
         }
     }
 
@@ -125,7 +137,7 @@ impl<P: NlpProblem + ?Sized> NlpProblem for Variant<'_, P> {
     fn objective(&mut self, x: &[f64]) -> f64 {
         let x = self.in_problem(x);
         match &self.objective {
-            Objective::Own => self.problem.objective(&x),
+            Objective::Own => self.problem.objective(&x) / self.objective_unit,
             Objective::Distance(distance) => {
                 let term =
                     |(i, x): (usize, &f64)| distance.weight(i) * (x - distance.to[i]).powi(2);
@@ -137,7 +149,10 @@ impl<P: NlpProblem + ?Sized> NlpProblem for Variant<'_, P> {
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         let x = self.in_problem(x);
         match &self.objective {
-            Objective::Own => self.problem.gradient(&x, gradient),
+            Objective::Own => {
+                self.problem.gradient(&x, gradient);
+                gradient.iter_mut().for_each(|g| *g /= self.objective_unit);
+            }
             Objective::Distance(distance) => {
                 for (i, g) in gradient.iter_mut().enumerate() {
                     *g = distance.weight(i) * (x[i] - distance.to[i]);
@@ -183,6 +198,7 @@ impl<P: NlpProblem + ?Sized> NlpProblem for Variant<'_, P> {
                 values[place] += weight * distance.weight(i);
             }
         } else {
+            let weight = weight / self.objective_unit;
             self.problem.hessian_values(&x, weight, multipliers, values);
         }
         if !self.units.is_empty() {

@@ -316,9 +316,9 @@ impl Mpcc for Deciding {
 
 #[test]
 fn solve_with_own_sides_crosses_over_to_them_if_they_cover_all_pairs() {
-    // the pairs alone would keep the nearer of (1, 0) and (0, 1)
+    // the pairs alone would keep the better of (1, 0) and (0, 1)
     let text = "problem choice 2\nstart 2 0.1\nbounds 1 0 inf\nbounds 2 0 inf\n\
-                minimize (x1 - 1)^2 + (x2 - 1)^2\npair 1 2";
+                minimize (x1 - 1)^2 + 0.5*(x2 - 1)^2\npair 1 2";
     for (vanishing, expected) in [(vec![0], [0.0, 1.0]), (vec![], [1.0, 0.0])] {
         let mut problem = Deciding {
             problem: read_problems(text).remove(0),
