@@ -17,7 +17,7 @@ const LAST_BARRIER: f64 = 1e-6;
 pub(crate) fn homotopy(problem: &mut dyn Mpcc) -> Result<mpcc::Solution, InputError> {
     let mut settings = mpcc::Settings::default().interior_point;
     // the textbook has no unit of the objective
-    settings.is_measured = true;
+    settings.objective_unit = Some(1.0);
     let mut start = vec![0.0; problem.variables()];
     problem.initial_point(&mut start);
     let pairs = problem.complementarities().to_vec();
@@ -54,7 +54,7 @@ pub(crate) fn homotopy(problem: &mut dyn Mpcc) -> Result<mpcc::Solution, InputEr
     let mut settings = mpcc::Settings::default();
     settings.rules = vec![RelaxationRule::Proportional];
     settings.second_opinion = false;
-    settings.interior_point.is_measured = true;
+    settings.interior_point.objective_unit = Some(1.0);
     settings.interior_point.initial_barrier_parameter = LAST_BARRIER;
     settings.interior_point.bound_push = 1e-9;
     settings.interior_point.bound_fraction = 1e-9;

@@ -203,7 +203,7 @@ pub(crate) fn solve_branch(
                 &interior_point,
                 &mut |info| progress.goes_on(info),
                 |settings, observer| {
-                    nlp::solve_measured(&mut branch, settings, Some(&warm), observer)
+                    nlp::solve_from(&mut branch, settings, Some(&warm), Some(observer))
                 },
             )
             .ok()?;

@@ -40,7 +40,7 @@ pub(crate) fn start_within_rows(
         Purpose::Relaxed,
         &settings,
         &mut see,
-        |settings, observer| nlp::solve_measured(&mut near, settings, None, observer),
+        |settings, observer| nlp::solve_from(&mut near, settings, None, Some(observer)),
     )?;
     Ok((holds && watch.stop.is_none()).then_some(found.x))
 }

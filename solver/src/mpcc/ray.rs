@@ -17,7 +17,7 @@ use crate::linalg::norms::norm_inf;
 
 /// Doublings of the step that a ray is followed for: 1e30, beyond any bound that is meant as one.
 const DOUBLINGS: i32 = 100;
-/// Fall of the objective, relative to its size at the first point (1 where that is less), that has no bound.
+/// Fall of the objective, relative to its size at the first point (that of its slopes where that is less), that has no bound.
 const UNBOUNDED: f64 = 1e12;
 /// Part of the longest entry of a direction that is none: what converges while the others diverge.
 const NONE: f64 = 1e-3;
@@ -188,7 +188,7 @@ impl<'a> Rays<'a> {
             }
             last = objective;
         }
-        first - last > UNBOUNDED * first.abs().max(1.0)
+        first - last > UNBOUNDED * first.abs().max(norm_inf(&self.gradient))
     }
 
     /// Gives variables that measure rows their values; whether rows, bounds and pairs hold then. What is infinite is beyond any bound but

@@ -101,7 +101,7 @@ impl Solution {
             &mut self.multipliers_lower,
             &mut self.multipliers_upper,
         ];
-        nlp::multiply(multipliers, unit);
+        multipliers.into_iter().flatten().for_each(|z| *z *= unit);
         self.history
             .iter_mut()
             .for_each(|info| *info = info.times(unit));

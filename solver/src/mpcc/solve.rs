@@ -117,14 +117,14 @@ pub fn solve_observed(
 ) -> Result<Solution, InputError> {
     settings.validate()?;
     check_pairs(problem)?;
-    let unit = if settings.interior_point.is_measured {
-        1.0
-    } else {
-        nlp::objective_unit(problem, None, &nlp::Slopes::START)
+    let given = settings.interior_point.objective_unit;
+    let unit = given.unwrap_or_else(|| nlp::objective_unit(problem, None, &nlp::Slopes::START));
+    let mut measured = Variant {
+        objective_unit: unit,
+        ..Variant::of(problem)
     };
     let mut settings = settings.clone();
-    settings.interior_point.is_measured = true;
-    let mut measured = Variant::measured(problem, unit);
+    settings.interior_point.objective_unit = Some(1.0);
     let mut see = |info: &nlp::IterationInfo| observer(&info.times(unit));
     Ok(solve_measured(&mut measured, &settings, &mut see)?.times(unit))
 }

@@ -1,6 +1,7 @@
 //! The entry point: the method that fits the program, and its result in the terms of the file.
 
 use crate::clock::{Instant, ThreadTime};
+use crate::linalg::norms::norm_inf;
 
 use super::program::Program;
 use super::second_order::{Stationary, second_order};
@@ -223,6 +224,7 @@ fn warm_start(program: &mut Program, tolerance: f64) -> Option<(WarmStart, f64)>
     program.variable_bounds(&mut lower, &mut upper);
     let mut left = vec![0.0; n];
     program.gradient(&x, &mut left);
+    let slope = norm_inf(&left).max(f64::MIN_POSITIVE);
     let pattern = program.jacobian_pattern();
     let mut values = vec![0.0; pattern.len()];
     program.jacobian_values(&x, &mut values);
@@ -240,8 +242,8 @@ fn warm_start(program: &mut Program, tolerance: f64) -> Option<(WarmStart, f64)>
             z_upper[i] = -left[i];
         }
         let rest = left[i] - z_lower[i] + z_upper[i];
-        let products = (z_lower[i].min(below)).max(z_upper[i].min(above));
-        error = error.max(rest.abs()).max(products);
+        let [z, w, rest] = [z_lower[i], z_upper[i], rest.abs()].map(|z| z / slope);
+        error = error.max(rest).max(z.min(below)).max(w.min(above));
     }
     for (of, z, sign) in [
         (duals.lower, &mut z_lower, sense),

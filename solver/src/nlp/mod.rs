@@ -75,6 +75,4 @@ pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_ba
 pub(crate) use objective_unit::{Slopes, objective_unit};
 pub(crate) use products::Products;
 pub(crate) use run::{end_of_path, run};
-pub(crate) use solution::multiply;
-pub(crate) use solve::solve_measured;
 pub(crate) use variant::Variant;

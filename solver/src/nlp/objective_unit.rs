@@ -3,7 +3,7 @@
 //! The method compares slopes, multipliers and products with numbers: the first barrier parameter, tolerances, what is huge. All of them
 //! belong to an objective whose slopes have one size at the start; a constant that is added to it has no part in that.
 
-use super::NlpProblem;
+use super::{NlpProblem, Settings};
 
 /// Size of the slopes of an objective in its unit. Measured on the 155 problems of Hock and Schittkowski with a constraint qualification: from 0.5 to 1
 /// between 1996 and 2076 iterations, and with less the last barrier is larger than a millionth of the optimum.
@@ -71,12 +71,21 @@ pub(crate) fn objective_unit(
     slopes.retain(|slope| *slope > ROUNDING * largest);
     slopes.sort_by(f64::total_cmp);
     let last = slopes.len().saturating_sub(1) as f64;
-    unit_of(
-        slopes
-            .get((taken.quantile * last) as usize)
-            .copied()
-            .unwrap_or(0.0),
-    )
+    let slope = slopes.get((taken.quantile * last) as usize);
+    unit_of(slope.copied().unwrap_or(0.0))
+}
+
+/// Settings with the unit of the objective of a problem, measured from a point on if nobody gave it.
+pub(super) fn measured(
+    problem: &mut dyn NlpProblem,
+    settings: &Settings,
+    from: Option<&[f64]>,
+) -> Settings {
+    let unit = settings.objective_unit;
+    Settings {
+        objective_unit: unit.or_else(|| Some(objective_unit(problem, from, &Slopes::START))),
+        ..settings.clone()
+    }
 }
 
 /// The unit of an objective with a slope; 1 for none.

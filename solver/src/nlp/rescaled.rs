@@ -47,11 +47,13 @@ pub(super) fn rescaled(
 ) -> Solution {
     let (mut solution, mut ended) = first;
     let mut went_on = false;
+    // of an objective that vanishes no digits are left to ask for
+    let least = settings.tolerance * settings.tolerance / ended.scale;
     for _ in 0..MOST_RUNS {
-        let Some((units, needed)) = hidden(problem, settings, &solution, ended.scale) else {
+        let Some((units, needed)) = hidden(problem, settings, &solution, (ended.scale, least))
+        else {
             break;
         };
-        let unit = 1.0 / needed;
         let complementarity = needed * solution.residuals.complementarity;
         let warm = WarmStart {
             barrier_parameter: complementarity
@@ -62,6 +64,7 @@ pub(super) fn rescaled(
         let near = Settings {
             bound_push: BOUND_PUSH,
             bound_fraction: BOUND_PUSH,
+            objective_unit: settings.objective_unit.or(Some(1.0 / needed)),
             ..settings.clone()
         };
         let mut path = Monotone {
@@ -70,21 +73,20 @@ pub(super) fn rescaled(
             tolerance: settings.tolerance,
         };
         let tied = (&mut Products::default(), &mut path as &mut _);
-        let mut see = |info: &super::IterationInfo| observer(&info.times(unit));
+        let mut see = |info: &super::IterationInfo| observer(info);
         let mut variant = Variant {
             units,
-            ..Variant::measured(&mut *problem, unit)
+            ..Variant::of(&mut *problem)
         };
-        let warm = in_units(&variant, warm.in_unit(unit));
+        let warm = in_units(&variant, warm);
         let next = run_after(
             &mut variant,
             &near,
             tied,
             Start::Warm(&warm),
             Some(&mut see),
-            Some(solution.clone().times(needed)),
+            Some(solution.clone()),
         );
-        let next = next.map(|(next, ended)| (next.times(unit), ended.times(unit)));
         match next {
             // what goes up from there leads to another solution, if to any
             Ok((next, _)) if rises(&variant, &next, &solution) => {
@@ -103,7 +105,7 @@ pub(super) fn rescaled(
     // a residual that no step lowers is rounding, and nothing is hidden
     if went_on && ended.is_close {
         solution.status = Status::Solved;
-    } else if hidden(problem, settings, &solution, ended.scale).is_some() {
+    } else if hidden(problem, settings, &solution, (ended.scale, least)).is_some() {
         solution.status = Status::StepTooSmall;
     }
     solution
@@ -128,7 +130,7 @@ fn hidden(
     problem: &mut dyn NlpProblem,
     settings: &Settings,
     solution: &Solution,
-    scale: f64,
+    (scale, least): (f64, f64),
 ) -> Option<(Vec<f64>, f64)> {
     if solution.status != Status::Solved {
         return None;
@@ -168,20 +170,21 @@ fn hidden(
         0.0
     };
     let left = of_residuals.max(of_bounds);
-    let (is_measured, tolerance) = (settings.is_measured, settings.tolerance);
-    let none = if is_measured {
-        absolute
+    let is_measured = settings.objective_unit.is_some();
+    // nothing is hidden by a scale of 1 in a unit that was chosen with care
+    let (of_units, of_gap) = if is_measured {
+        (absolute, absolute)
     } else {
-        tolerance * tolerance
+        (least, RATIO * settings.tolerance)
     };
-    if left > none.max(LEFT * terms) {
+    if left > of_units.max(LEFT * terms) {
         let steepest = largest(&mut |i| (ends.gradient[i] * units[i]).abs());
-        let needed = if is_measured {
+        let measured = if is_measured {
             row_scaling(steepest)
         } else {
             1.0 / unit_of(steepest)
         };
-        return Some((units, needed));
+        return Some((units, measured));
     }
     let needed = if is_measured {
         row_scaling(largest(&mut |i| ends.gradient[i].abs()))
@@ -189,8 +192,7 @@ fn hidden(
         1.0 / objective_unit(problem, Some(x), &Slopes::END)
     };
     let gap = GAP * settings.tolerance * needed * solution.objective.abs();
-    let is_large =
-        needed * dual > absolute || needed * complementarity > gap.max(RATIO * settings.tolerance);
+    let is_large = needed * dual > absolute || needed * complementarity > of_gap.max(gap);
     let hides = needed >= RATIO * scale && is_large;
     hides.then(|| (Vec::new(), needed))
 }

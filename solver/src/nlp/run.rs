@@ -29,14 +29,6 @@ pub(super) struct Ended {
     pub(super) is_close: bool,
 }
 
-impl Ended {
-    /// The end of the run of the same problem where one of the objective is `unit`.
-    pub(super) fn times(self, unit: f64) -> Self {
-        let scale = self.scale / unit;
-        Self { scale, ..self }
-    }
-}
-
 /// Where a run starts.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Start<'s> {
@@ -72,7 +64,8 @@ pub(super) fn run_after<'o>(
         check_warm_start(problem, start)?;
     }
     settings.validate()?;
-    let formulation = Formulation::new(problem, &products.pairs, point)?;
+    let unit = settings.objective_unit.unwrap_or(1.0);
+    let formulation = Formulation::new(problem, &products.pairs, point, unit)?;
     let scale = formulation.objective_scale;
     let mut core = Core::new(formulation, settings, observer)?;
     if let Some(earlier) = earlier {
@@ -98,7 +91,8 @@ pub(crate) fn end_of_path(
         bound_fraction: f64::MIN_POSITIVE,
         ..settings.clone()
     };
-    let formulation = Formulation::new(problem, &[], Some(&point.x));
+    let unit = settings.objective_unit.unwrap_or(1.0);
+    let formulation = Formulation::new(problem, &[], Some(&point.x), unit);
     let core = formulation.and_then(|formulation| Core::new(formulation, &settings, None));
     core.map_or((None, 0), |mut core| {
         let steps = method::end_of_path(&mut core, point);

@@ -10,6 +10,7 @@
 use super::least_squares::{LeastSquares, violation};
 use super::method::LARGEST_CURVATURE;
 use super::method::barrier::Monotone;
+use super::objective_unit::measured;
 use super::rescaled::{add_work, rescaled};
 use super::run::{Start, run_after};
 use super::{IterationInfo, NlpProblem, Observer, Products, Settings, Solution, Status};
@@ -206,6 +207,7 @@ fn run(
         maximum_iterations: settings.maximum_iterations.min(limit),
         ..settings.clone()
     };
-    let run = run_after(problem, settings, tied, start, Some(&mut see), earlier).ok()?;
+    let in_unit = measured(problem, settings, None);
+    let run = run_after(problem, &in_unit, tied, start, Some(&mut see), earlier).ok()?;
     Some(rescaled(problem, settings, observer, run))
 }

@@ -30,9 +30,9 @@ pub struct Settings {
     /// Whether a run that would end without a solution goes on by other means: from other starts, by Newton's method without a
     /// line search, with rows that give way a little; default true. Complementarity problems have their own means.
     pub persistent: bool,
-    /// Whether slopes of the objective are of the order of one as it is stated; default false: its unit is measured at the start, so that
-    /// an objective times any positive number makes the same run.
-    pub is_measured: bool,
+    /// Unit in which the slopes of the objective are of the order of one, > 0; default `None`: it is measured at the start, so that an objective
+    /// times any positive number makes the same run.
+    pub objective_unit: Option<f64>,
     /// Shift of the dual rows relative to `mu^0.25` that is always on; default 0. Complementarity
     /// problems use 1e-10: their Jacobians lose rank.
     pub(crate) permanent_dual_shift: f64,
@@ -54,7 +54,7 @@ impl Default for Settings {
             bound_push: 1e-2,
             bound_fraction: 1e-2,
             persistent: true,
-            is_measured: false,
+            objective_unit: None,
             permanent_dual_shift: 0.0,
             untested_steps: 0,
         }
@@ -85,6 +85,7 @@ impl Settings {
         positive("acceptable_tolerance", self.acceptable_tolerance)?;
         positive("maximum_seconds", self.maximum_seconds)?;
         positive("initial_barrier_parameter", self.initial_barrier_parameter)?;
+        positive("objective_unit", self.objective_unit.unwrap_or(1.0))?;
         positive("bound_push", self.bound_push)?;
         check(
             "bound_fraction",

@@ -75,30 +75,6 @@ pub struct Solution {
     pub violations: Vec<Violation>,
 }
 
-/// Measures multipliers of rows and bounds by a unit of the objective.
-pub(crate) fn multiply(multipliers: [&mut Vec<f64>; 3], unit: f64) {
-    multipliers.into_iter().flatten().for_each(|z| *z *= unit);
-}
-
-impl Solution {
-    /// The solution of the same problem where one of the objective is `unit`.
-    pub(super) fn times(mut self, unit: f64) -> Self {
-        self.objective *= unit;
-        self.residuals.dual *= unit;
-        self.residuals.complementarity *= unit;
-        let multipliers = [
-            &mut self.multipliers,
-            &mut self.multipliers_lower,
-            &mut self.multipliers_upper,
-        ];
-        multiply(multipliers, unit);
-        self.history
-            .iter_mut()
-            .for_each(|info| *info = info.times(unit));
-        self
-    }
-}
-
 /// Multipliers in the user's units.
 pub(super) struct Multipliers {
     pub(super) rows: Vec<f64>,

@@ -1,13 +1,12 @@
 //! Entry points.
 
 use super::method::barrier::Monotone;
-use super::objective_unit::{Slopes, objective_unit};
+use super::objective_unit::measured;
 use super::rescaled::rescaled;
 use super::run::{Start, run_after};
 use super::second_round::second_round;
 use super::{
-    InputError, IterationInfo, NlpProblem, Observer, Products, Settings, Solution, Variant,
-    WarmStart,
+    InputError, IterationInfo, NlpProblem, Observer, Products, Settings, Solution, WarmStart,
 };
 
 /// Solves a nonlinear program from its own starting point.
@@ -118,48 +117,30 @@ pub fn solve_from<'o>(
     start: Option<&WarmStart>,
     observer: Option<&'o mut Observer<'o>>,
 ) -> Result<Solution, InputError> {
-    let unit = if settings.is_measured {
-        1.0
-    } else {
-        objective_unit(problem, start.map(|start| &start.x[..]), &Slopes::START)
-    };
-    let mut measured = Variant::measured(problem, unit);
-    let start = start.map(|start| start.in_unit(unit));
-    let mut observer = observer;
-    let mut see = |info: &IterationInfo| match &mut observer {
-        Some(observer) => observer(&info.times(unit)),
-        None => true,
-    };
-    let solution = solve_measured(&mut measured, settings, start.as_ref(), &mut see)?;
-    Ok(solution.times(unit))
-}
-
-/// As [`solve_from`], with the objective in the unit that it is stated in.
-pub(crate) fn solve_measured(
-    problem: &mut dyn NlpProblem,
-    settings: &Settings,
-    start: Option<&WarmStart>,
-    observer: &mut Observer<'_>,
-) -> Result<Solution, InputError> {
     let mut path = Monotone {
         mu: start.map_or(settings.initial_barrier_parameter, |s| s.barrier_parameter),
         sigma: 0.0,
         tolerance: settings.tolerance,
     };
-    let mut see = |info: &IterationInfo| observer(info);
+    let mut observer = observer;
+    let mut see = |info: &IterationInfo| match &mut observer {
+        Some(observer) => observer(info),
+        None => true,
+    };
     let none = &mut Products::default();
+    let in_unit = measured(problem, settings, start.map(|start| &start.x[..]));
     let first = run_after(
         problem,
-        settings,
+        &in_unit,
         (none, &mut path),
         Start::of(start),
         Some(&mut see),
         None,
     )?;
-    let first = rescaled(problem, settings, observer, first);
+    let first = rescaled(problem, settings, &mut see, first);
     // a start with multipliers was chosen with care
     if start.is_some() || !settings.persistent {
         return Ok(first);
     }
-    Ok(second_round(problem, settings, observer, first))
+    Ok(second_round(problem, settings, &mut see, first))
 }

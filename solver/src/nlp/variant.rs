@@ -53,15 +53,6 @@ impl<'a, P: NlpProblem + ?Sized> Variant<'a, P> {
         }
     }
 
-    /// The problem with its objective in a unit.
-    pub(crate) fn measured(problem: &'a mut P, unit: f64) -> Self {
-        let objective_unit = unit;
-        Self {
-            objective_unit,
-            ..Self::of(problem)
-        }
-    }
-
     /// The search for the point nearest to `to`, from there: the same rows and bounds. Where an objective leads runs to where pairs cannot be
     /// met, or keeps them busy for long, this one, which is convex and flat, leaves the question of a point at all.
     pub(crate) fn nearest(problem: &'a mut P, to: &[f64]) -> Self {

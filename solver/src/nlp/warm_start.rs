@@ -45,19 +45,6 @@ impl WarmStart {
         }
     }
 
-    /// The start of the same problem with its objective in a unit.
-    pub(crate) fn in_unit(&self, unit: f64) -> Self {
-        let mut start = self.clone();
-        for multipliers in [
-            &mut start.multipliers,
-            &mut start.multipliers_lower,
-            &mut start.multipliers_upper,
-        ] {
-            multipliers.iter_mut().for_each(|z| *z /= unit);
-        }
-        start
-    }
-
     /// From the solution of another problem: `variables[i]` is the variable there that the variable `i` here is, if there
     /// is one, and `rows` says the same of the constraints; `unit` is what the objective there is multiplied by to be the
     /// one here. `x` is the point of those that are new; the multipliers of these are 0.

@@ -176,6 +176,38 @@ fn valley_at_whose_end_curvature_changes_its_sign_is_not_said_to_descend() {
 }
 
 #[test]
+fn factor_of_the_objective_changes_neither_point_nor_verdict() {
+    // x^2 + 2 y^2 where x + y >= 1, and exp(z) for z >= 0 or beside a pair z _|_ 2 - z - x
+    let run = |factor: f64, pairs: usize| {
+        let sum = format!("o2 n{factor:e} o54 3 o5 v0 n2 o2 n2 o5 v1 n2 o44 v2");
+        let pair = if pairs > 0 { "5 1 3\n" } else { "1 2\n" };
+        let rest = format!("x3\n0 3\n1 2\n2 1.5\nr\n2 1\n{pair}b\n3\n3\n2 0\n");
+        let rows = [
+            "o0 v0 v1",
+            if pairs > 0 {
+                "o54 3 n2 o16 v2 o16 v0"
+            } else {
+                "o0 v2 v0"
+            },
+        ];
+        solve(&program((3, 2), &rows, &sum, &rest))
+    };
+    for pairs in [0, 1] {
+        let own = run(1.0, pairs);
+        for factor in [1e-8, 1e-6, 4e-4, 30.0, 1e6] {
+            let other = run(factor, pairs);
+            assert_eq!(other.status, Status::Solved, "{factor}");
+            assert_eq!(other.stationarity, Stationarity::S);
+            assert_eq!(other.second_order, Some(SecondOrder::Sufficient));
+            for (x, expected) in other.x.iter().zip([2.0 / 3.0, 1.0 / 3.0, 0.0]) {
+                assert!((x - expected).abs() < 1e-7, "{factor}: {:?}", other.x);
+            }
+            assert_eq!(other.work.iterations, own.work.iterations, "{factor}");
+        }
+    }
+}
+
+#[test]
 fn multipliers_in_the_file_save_two_thirds_of_the_iterations() {
     // min sum (x_i - i/4)^2 + exp(x_i) where sum x_i >= b and 0 <= x_i <= 1; the same with a slightly larger b next
     let n = 8;

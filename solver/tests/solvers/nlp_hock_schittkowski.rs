@@ -52,7 +52,7 @@ fn solve_standard_start_reaches_an_optimum() {
     }
     assert!(failures.is_empty(), "{failures:#?}");
     // deterministic: a change of these numbers is a change of the method
-    insta::assert_snapshot!(format!("{solved} solved, {iterations} iterations"), @"155 solved, 2097 iterations");
+    insta::assert_snapshot!(format!("{solved} solved, {iterations} iterations"), @"155 solved, 2001 iterations");
 }
 
 #[test]

@@ -89,13 +89,12 @@ fn solve_gradients_that_grow_call_for_large_multipliers() {
 
 #[test]
 fn solve_narrow_strip_along_a_wave_reaches_its_end() {
-    // sin(x1) <= x2 <= sin(x1) + x1/10^4 leaves x1 >= 0
-    for start in ["1 5","1 4","2 5","1 6","1 7","1 3","3 5","2 2","1 -5"] { let t=format!("problem strip 2\nstart {start}\nminimize x1\nrow 0 inf x2 - sin(x1)\nrow 0 inf 0.0001*x1 - x2 + sin(x1)"); eprintln!("STRIP {start} {:?} {:?}", solve_once(&t).status, solve(&t).status); }
-    let text = "problem strip 2\nstart 1 5\nminimize x1\nrow 0 inf x2 - sin(x1)\nrow 0 inf 0.0001*x1 - x2 + sin(x1)";
+    // sin(x1) <= x2 <= sin(x1) + 3 x1/10^4 leaves x1 >= 0
+    let text = "problem strip 2\nstart 5 9\nminimize x1\nrow 0 inf x2 - sin(x1)\nrow 0 inf 0.0003*x1 - x2 + sin(x1)";
     assert!(!solve_once(text).status.is_solved());
     let solution = solve(text);
     assert_eq!(solution.status, Status::Solved);
-    // the tolerance of the rows is that of x1/10^4
+    // the tolerance of the rows is that of 3 x1/10^4
     assert!(solution.objective.abs() < 2e-4, "{}", solution.objective);
 }
 

@@ -176,7 +176,7 @@ fn relaxed(
     let mut settings = mpcc::Settings::default();
     settings.rules = vec![rule];
     settings.crossover = false;
-    settings.interior_point.is_measured = true;
+    settings.interior_point.objective_unit = Some(1.0);
     settings.final_relaxation = relaxation.last;
     settings.interior_point.initial_barrier_parameter =
         relaxation.barrier.unwrap_or(runner.settings.first_barrier);

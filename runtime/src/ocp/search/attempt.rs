@@ -410,7 +410,7 @@ pub(in crate::ocp) fn interior_point(chosen: &Settings) -> nlp::Settings {
     settings.maximum_iterations = chosen.maximum_iterations;
     // the search has other sequences and starts to go on with
     settings.persistent = false;
-    settings.is_measured = true;
+    settings.objective_unit = Some(1.0);
     settings
 }
 

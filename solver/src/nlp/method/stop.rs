@@ -52,7 +52,9 @@ fn divergence(state: &mut State<'_, '_, '_, '_>) -> Option<Status> {
     if state.is_restoration {
         return None;
     }
-    let objective = state.point.values.objective / state.core.formulation.objective_scale;
+    let formulation = &state.core.formulation;
+    let factor = formulation.objective_scale * formulation.objective_unit;
+    let objective = state.point.values.objective / factor;
     let falls = objective < -VERY_NEGATIVE && objective < state.progress.far_objective;
     state.progress.far_steps = if falls {
         state.progress.far_steps + 1

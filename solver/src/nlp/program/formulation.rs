@@ -40,6 +40,8 @@ pub(crate) struct Formulation<'a> {
     /// Product constraints `x_i x_j <= sigma`, as free variables.
     pub(crate) products: Vec<(usize, usize)>,
     pub(crate) start: Vec<f64>,
+    /// Unit of the objective as it was given, and factor of the objective with what scales its slopes in that unit.
+    pub(crate) objective_unit: f64,
     pub(crate) objective_scale: f64,
     pub(crate) row_scales: Vec<f64>,
     /// Whether a row is scaled.
@@ -232,11 +234,12 @@ fn row_scales(jacobian: &[Kept], values: &[f64], rows: usize) -> Vec<f64> {
 
 impl<'a> Formulation<'a> {
     /// Reduces `problem`; `products` are pairs of the user's variables, `start` replaces the
-    /// problem's own starting point.
+    /// problem's own starting point; the objective is scaled in `objective_unit`.
     pub(crate) fn new(
         problem: &'a mut dyn NlpProblem,
         products: &[(usize, usize)],
         start: Option<&[f64]>,
+        objective_unit: f64,
     ) -> Result<Self, InputError> {
         let mut bounds = Bounds::of(problem)?;
         let mut x_user = starting_point(problem, start)?;
@@ -280,7 +283,8 @@ impl<'a> Formulation<'a> {
             start: free.old.iter().map(|&i| x_user[i]).collect(),
             variables: free.old,
             rows: rows.old,
-            objective_scale: row_scaling(largest),
+            objective_unit,
+            objective_scale: row_scaling(largest / objective_unit) / objective_unit,
             is_scaled: row_scales.iter().any(|&scale| scale != 1.0),
             row_scales,
             entries: Entries {
