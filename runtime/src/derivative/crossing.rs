@@ -95,6 +95,16 @@ impl Crossing<'_, '_> {
             struck: &struck,
             time: self.at.time(self.k),
         };
+        let declared = self.at.acceleration.model.declaration().contacts;
+        if let Some(contact) = struck.iter().find(|&&i| declared[i].sequence)
+            && struck.len() > 1
+        {
+            return Err(format!(
+                "at t = {} s `{}` and others are struck one after the other (`in sequence`), and derivatives know impacts at once alone; \
+                 take differences of two simulations, or leave out `in sequence`",
+                impact.time, declared[*contact].name
+            ));
+        }
         let jump = jump(&mut self.at.acceleration, self.tangent, &impact)?;
         if let Some(ranges) = &mut self.ranges {
             let by = (&*self.tangent, &jump);
@@ -184,7 +194,7 @@ impl Crossing<'_, '_> {
                 return None;
             }
             let rates = self.at.rates(&x, control_rates);
-            let cause = cause(self.at, &x, event, (&rates, &tangent))?;
+            let cause = cause(self.at, &x, event, ([&rates, &rates], &tangent))?;
             tangent.shift(&rates, &cause.times, 1.0);
             match event.kind {
                 EventKind::Impact => {

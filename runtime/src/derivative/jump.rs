@@ -78,7 +78,7 @@ pub(super) fn jump(
     let n = acceleration.n;
     let v = |x: &[f64]| x[n..2 * n].to_vec();
     let (v_before, v_after) = (v(impact.before), v(impact.after));
-    let earlier = conditions_before(acceleration, moved, impact);
+    let earlier = conditions_before(acceleration, moved, impact)?;
     let modes = modes_of(acceleration, impact);
     acceleration.set_mode(&modes);
     acceleration.keep_independent(impact.after);
@@ -167,23 +167,33 @@ fn place(moved: &Tangent, by: &[f64]) -> Vec<f64> {
 
 /// What each normal velocity after the impact must change by against its sign, because of that before: the change of
 /// `e v_n-`.
+///
+/// # Errors
+/// Where a velocity after the impact is another one, as of impacts one after the other.
 fn conditions_before(
     acceleration: &mut Acceleration<'_>,
     moved: &Tangent,
     impact: &Impact<'_>,
-) -> Matrix {
+) -> Result<Matrix, String> {
     let contacts = acceleration.model.declaration().contacts.len();
     let mut earlier = Matrix::zeros(contacts, moved.all.columns);
     let mut by_parameters = vec![0.0; acceleration.layout.parameters];
     let ended = ended(acceleration, impact);
+    let n = acceleration.n;
+    let fastest = largest(&impact.before[n..2 * n]);
     for &contact in impact
         .struck
         .iter()
         .filter(|contact| !ended.contains(contact))
     {
+        let returned = acceleration.normal_velocity(contact, impact.after).0;
         let (speed, by) = acceleration.normal_velocity(contact, impact.before);
         let change = moved.of(by);
+        let least = MISSED * fastest * largest(&by[n..2 * n]);
         let e = acceleration.model.restitution(contact);
+        if (returned + e * speed).abs() > least {
+            return Err(together(impact.time));
+        }
         acceleration
             .derivatives
             .restitution(contact, &mut by_parameters);
@@ -191,7 +201,7 @@ fn conditions_before(
         add(row, e, &change);
         add(row, speed, &moved.of_parameters(&by_parameters));
     }
-    earlier
+    Ok(earlier)
 }
 
 /// The velocities that contacts which strike, or are closed, leave by the law, where their modes are these afterwards and `ended` of them do

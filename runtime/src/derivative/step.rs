@@ -14,7 +14,7 @@ use crate::model::ControlPiece;
 use crate::rk::{ButcherTableau, Scheme};
 
 /// Stages of a step: one more than the finest elements of a run have, so that the error of the run is what counts.
-const STAGES: usize = 7;
+pub(super) const STAGES: usize = 7;
 /// Newton iterations of a step with derivatives of all stages.
 const MOST_ITERATIONS: usize = 8;
 /// Relative change that is rounding where changes get no smaller.
@@ -73,9 +73,10 @@ pub(super) struct Linear {
 }
 
 impl Steps {
-    pub(super) fn new() -> Option<Self> {
+    /// With so many stages a step.
+    pub(super) fn of(stages: usize) -> Option<Self> {
         Some(Self {
-            tableau: ButcherTableau::new(Scheme::RadauIia, STAGES)?,
+            tableau: ButcherTableau::new(Scheme::RadauIia, stages)?,
             stages: Vec::new(),
             inputs: Vec::new(),
             by: Vec::new(),

@@ -2,7 +2,7 @@
 
 use super::mode::Acceleration;
 use super::step::{Linear, Steps};
-use super::tangent::{Layout, Matrix, add};
+use super::tangent::{Layout, Matrix, add, dot};
 
 /// The linear parts of a walk, in their order.
 pub(super) struct Tape<'w> {
@@ -18,6 +18,8 @@ enum Passed {
     Step(Linear),
     /// Rows that an event has changed, with a column for each row before it.
     Change(Vec<(usize, Vec<f64>)>),
+    /// What each row gains for a change of the time of the last event.
+    Moved(Vec<f64>),
 }
 
 impl<'w> Tape<'w> {
@@ -46,6 +48,11 @@ impl<'w> Tape<'w> {
         self.passed.push(Passed::Change(rows.collect()));
     }
 
+    /// Keeps what each row has gained for a change of the time of the last event.
+    pub(super) fn moved(&mut self, by: Vec<f64>) {
+        self.passed.push(Passed::Moved(by));
+    }
+
     /// Keeps how the time of the event that comes next changes with everything.
     pub(super) fn time(&mut self, by: Vec<f64>) {
         self.times.push((self.passed.len(), by));
@@ -66,6 +73,7 @@ impl<'w> Tape<'w> {
         for passed in self.passed[..behind].iter().rev() {
             match passed {
                 Passed::Step(linear) => steps.back(linear, layout, &mut to),
+                Passed::Moved(by) => to[layout.last_event()] += dot(by, &to),
                 Passed::Change(rows) => {
                     let take = |(i, _): &(usize, Vec<f64>)| std::mem::take(&mut to[*i]);
                     let weights: Vec<f64> = rows.iter().map(take).collect();
