@@ -2,7 +2,7 @@
 
 use super::event::{Cause, cause};
 use super::existence::Existence;
-use super::jump::{Impact, ended, jump, modes_of, struck_alone};
+use super::jump::{Impact, ended, jump, struck_alone};
 use super::place::{Place, ROUNDING};
 use super::ranges::Ranges;
 use super::reset;
@@ -181,12 +181,6 @@ impl Crossing<'_, '_> {
             struck: &contacts_of(events),
             time: events[0].time,
         };
-        let mut laws = modes_of(&mut self.at.acceleration, &all);
-        for (contact, law) in laws.iter_mut().enumerate() {
-            if self.at.is_closed(contact) && !all.struck.contains(&contact) {
-                *law = self.at.modes[contact];
-            }
-        }
         let ended = ended(&mut self.at.acceleration, &all);
         for &place in order {
             let event = found[place].event;
@@ -202,7 +196,7 @@ impl Crossing<'_, '_> {
                         (0..after.len()).filter(|&i| self.at.is_closed(i) || i == event.contact);
                     let struck: Vec<usize> = closed.collect();
                     let of = (&struck[..], &ended[..]);
-                    let behind = struck_alone(&mut self.at.acceleration, of, &laws, &x)?;
+                    let behind = struck_alone(&mut self.at.acceleration, of, &x)?;
                     let impact = Impact {
                         before: &x,
                         after: &behind,

@@ -172,6 +172,17 @@ impl Gradient {
             one_sided: None,
         }
     }
+
+    /// Its rows, and what each is of.
+    fn rows(&self) -> impl Iterator<Item = (Value, &[f64])> + Clone {
+        let states = self.q.iter().chain(&self.v).enumerate();
+        let states = states.map(|(i, by)| (Value::State(i), &by[..]));
+        let times = self.event_times.iter().enumerate();
+        let times = times.map(|(k, by)| (Value::EventTime(k), &by[..]));
+        let objective = self.objective.iter();
+        let objective = objective.map(|by| (Value::Objective, &by[..]));
+        states.chain(times).chain(objective)
+    }
 }
 
 /// The event whose time has this name: `k` of `event_times[k]`.
@@ -313,15 +324,7 @@ fn forward(
         }
     }
     if !walk.existence.is_over() {
-        let states = gradient.q.iter().chain(&gradient.v).enumerate();
-        let states = states.map(|(i, by)| (Value::State(i), &by[..]));
-        let times = gradient.event_times.iter().enumerate();
-        let times = times.map(|(k, by)| (Value::EventTime(k), &by[..]));
-        let objective = gradient.objective.iter();
-        let known = states
-            .chain(times)
-            .chain(objective.map(|by| (Value::Objective, &by[..])));
-        gradient.error_estimate = error(model, motion, (quantities, start), known);
+        gradient.error_estimate = error(model, motion, (quantities, start), gradient.rows());
     }
     gradient.obstacles = walk.existence.lost;
     gradient.obstacle = gradient.obstacles.iter().flatten().next().cloned();

@@ -9,7 +9,7 @@
 use super::mode::Acceleration;
 use super::outputs::of_contacts;
 use super::tangent::{Matrix, Tangent, add, largest};
-use crate::contact::{Line, dot};
+use crate::contact::{Line, dot, impact};
 use crate::model::tangent_point;
 use crate::simulation::{ContactMode, Direction};
 
@@ -204,52 +204,26 @@ fn conditions_before(
     Ok(earlier)
 }
 
-/// The velocities that contacts which strike, or are closed, leave by the law, where their modes are these afterwards and `ended` of them do
-/// not bounce; none if one of them would pull.
+/// The velocities that contacts which strike, or are closed, leave by the law, where `ended` of them do not bounce; none where it has no solution.
 pub(super) fn struck_alone(
     acceleration: &mut Acceleration<'_>,
     (struck, ended): (&[usize], &[usize]),
-    modes: &[ContactMode],
     before: &[f64],
 ) -> Option<Vec<f64>> {
     let n = acceleration.n;
-    let in_impact = |(contact, &mode): (usize, &ContactMode)| match mode {
-        ContactMode::Open if struck.contains(&contact) => ContactMode::Frictionless,
-        mode if struck.contains(&contact) => mode,
-        _ => ContactMode::Open,
-    };
-    let modes: Vec<ContactMode> = modes.iter().enumerate().map(in_impact).collect();
-    acceleration.set_mode(&modes);
-    acceleration.keep_independent(before);
-    acceleration.load(before, false);
-    let factors = acceleration.factors()?;
-    let right = acceleration.lines.iter().map(|&line| {
-        let speed = acceleration.velocity(line).0;
-        match line {
-            Line::Normal { contact, .. } if !ended.contains(&contact) => {
-                -(1.0 + acceleration.model.restitution(contact)) * speed.min(0.0) - speed.max(0.0)
-            }
-            _ => -speed,
-        }
-    });
-    let mut impulses: Vec<f64> = right.collect();
-    let least = -MISSED * largest(&impulses);
-    factors.solve(&mut impulses);
-    let mut after = before.to_vec();
-    for (&line, &impulse) in acceleration.lines.iter().zip(&impulses) {
-        if matches!(line, Line::Normal { .. }) && impulse < least {
-            return None;
-        }
-        acceleration.push(line, impulse, &mut after[n..2 * n]);
+    let mut restitution = Vec::with_capacity(struck.len());
+    for contact in struck {
+        acceleration.load_contact(*contact, before);
+        let bounces = !ended.contains(contact);
+        restitution.push(f64::from(u8::from(bounces)) * acceleration.model.restitution(*contact));
     }
+    let mut after = before.to_vec();
+    impact::strike(acceleration, struck, &restitution, &mut after[n..2 * n]).ok()?;
     Some(after)
 }
 
 /// What the struck contacts do in the impact, by how they leave it.
-pub(super) fn modes_of(
-    acceleration: &mut Acceleration<'_>,
-    impact: &Impact<'_>,
-) -> Vec<ContactMode> {
+fn modes_of(acceleration: &mut Acceleration<'_>, impact: &Impact<'_>) -> Vec<ContactMode> {
     let (n, model) = (acceleration.n, acceleration.model);
     let declared = model.declaration().contacts;
     let mut modes = vec![ContactMode::Open; declared.len()];

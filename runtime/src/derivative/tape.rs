@@ -1,13 +1,11 @@
 //! What is linear along a motion: its steps, and what events change of derivatives.
 
-use super::mode::Acceleration;
 use super::step::{Linear, Steps};
 use super::tangent::{Layout, Matrix, add, dot};
 
 /// The linear parts of a walk, in their order.
-pub(super) struct Tape<'w> {
-    /// Acceleration that knows its derivatives by the state only, for Newton's method, if that pays.
-    pub(super) lean: Option<Acceleration<'w>>,
+#[derive(Default)]
+pub(super) struct Tape {
     passed: Vec<Passed>,
     /// Of each event, how many parts there are before it, and how its time changes with everything there.
     times: Vec<(usize, Vec<f64>)>,
@@ -22,16 +20,7 @@ enum Passed {
     Moved(Vec<f64>),
 }
 
-impl<'w> Tape<'w> {
-    /// Nothing yet.
-    pub(super) fn new(lean: Option<Acceleration<'w>>) -> Self {
-        Self {
-            lean,
-            passed: Vec::new(),
-            times: Vec::new(),
-        }
-    }
-
+impl Tape {
     /// Keeps a step.
     pub(super) fn step(&mut self, linear: Linear) {
         self.passed.push(Passed::Step(linear));

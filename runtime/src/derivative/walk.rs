@@ -9,6 +9,7 @@ use super::event::{Cause, causes};
 use super::existence::{DRIFT, Existence, HELD};
 use super::joint_rows::JointRows;
 use super::margins::{Margin, least, margins};
+use super::mode::Acceleration;
 use super::outputs::outputs;
 use super::place::{Place, ROUNDING};
 use super::projection::project;
@@ -16,7 +17,7 @@ use super::quantities::Quantities;
 use super::ranges::Ranges;
 use super::samples::Samples;
 use super::step::stage_input;
-use super::tangent::{Matrix, Tangent, add, largest};
+use super::tangent::{Layout, Matrix, Tangent, add, largest};
 use super::tape::Tape;
 use crate::model::Model;
 use crate::simulation::{Event, InitialValueProblem, Simulation};
@@ -51,7 +52,9 @@ pub(super) struct Walk<'w> {
     /// How far quantities may go, if that is asked for.
     pub(super) ranges: Option<Ranges>,
     /// What is linear on the way, where the walk goes back.
-    pub(super) tape: Option<Tape<'w>>,
+    pub(super) tape: Option<Tape>,
+    /// Acceleration that knows its derivatives by the state only, for Newton's method, if that pays.
+    lean: Option<Acceleration<'w>>,
 }
 
 impl<'w> Walk<'w> {
@@ -63,6 +66,9 @@ impl<'w> Walk<'w> {
         (tangent, names): (Tangent, &[String]),
     ) -> Option<Self> {
         let at = Place::at_start(model, (problem, run), quantities)?;
+        // Of one column few derivatives are asked for.
+        let lean = (tangent.all.columns == 1).then(|| quantities.lean(model));
+        let lean = lean.flatten();
         Some(Self {
             joints: JointRows::of(model, at.acceleration.columns),
             at,
@@ -77,6 +83,7 @@ impl<'w> Walk<'w> {
             samples: None,
             ranges: None,
             tape: None,
+            lean: lean.map(|known| Acceleration::new(model, (known, Layout::of(model, 1)))),
         })
     }
 
@@ -257,7 +264,7 @@ impl<'w> Walk<'w> {
         let before = self.samples.is_some().then(|| self.tangent.clone());
         let own = self.tangent.all.columns;
         self.tangent = self.tangent.beside(&self.flow);
-        let lean = self.tape.as_mut().and_then(|tape| tape.lean.as_mut());
+        let lean = self.lean.as_mut();
         let (acceleration, cost) = (&mut self.at.acceleration, self.at.cost.as_ref());
         let missed = self
             .at

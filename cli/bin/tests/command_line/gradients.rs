@@ -34,6 +34,7 @@ fn gradient_of_a_shipped_scene_has_the_fields_of_the_contract() {
         serde_json::json!(["e", "g", "height"])
     );
     assert_eq!(gradient["exists"], true);
+    assert!(gradient["error_estimate"].as_f64().unwrap() < 1e-9);
     // The impact is at 0.5 s with 4 m/s; 0.3 s later z = 2*0.3 - 8/2*0.09 at e = 0.5.
     let times = gradient["event_times"].as_array().unwrap();
     assert_close(&numbers(&times[0]), &[0.0, -0.5 / 16.0, 0.25]);
@@ -59,6 +60,10 @@ fn gradient_is_a_table_with_units_for_people() {
             .unwrap_or_else(|| panic!("{begin}\n{text}"))
     };
     assert!(line("derivative of").contains("by g [m/s^2]"), "{text}");
+    assert!(
+        line("error       of derivatives").contains("about"),
+        "{text}"
+    );
     assert!(
         line("time of impact at").ends_with(|c: char| c.is_ascii_digit()),
         "{text}"
