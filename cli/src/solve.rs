@@ -60,12 +60,13 @@ fn gradient(declaration: &Declaration, solution: &Solution) -> String {
         .iter()
         .zip(gradient.obstacles.iter().zip(&gradient.sides))
     {
-        if let (Some(why), Some(sides)) = (obstacle, sides) {
-            let [left, right] = sides.objective.map(digits);
-            let _ = writeln!(
-                notes,
-                "note        no derivative by {name}: {why}; objective {left} from below, {right} from above"
-            );
+        if let Some(why) = obstacle {
+            let _ = write!(notes, "note        no derivative by {name}: {why}");
+            if let Some(sides) = sides {
+                let [left, right] = sides.objective.map(digits);
+                let _ = write!(notes, "; objective {left} from below, {right} from above");
+            }
+            notes.push('\n');
         }
     }
     table(header, rows)

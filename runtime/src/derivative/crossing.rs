@@ -2,7 +2,7 @@
 
 use super::event::{Cause, cause};
 use super::existence::Existence;
-use super::jump::{Impact, ended, jump, modes_of, struck_alone};
+use super::jump::{Impact, ended, jump, struck_alone};
 use super::place::{Place, ROUNDING};
 use super::ranges::Ranges;
 use super::reset;
@@ -95,6 +95,16 @@ impl Crossing<'_, '_> {
             struck: &struck,
             time: self.at.time(self.k),
         };
+        let declared = self.at.acceleration.model.declaration().contacts;
+        if let Some(contact) = struck.iter().find(|&&i| declared[i].sequence)
+            && struck.len() > 1
+        {
+            return Err(format!(
+                "at t = {} s `{}` and others are struck one after the other (`in sequence`), and derivatives know impacts at once alone; \
+                 take differences of two simulations, or leave out `in sequence`",
+                impact.time, declared[*contact].name
+            ));
+        }
         let jump = jump(&mut self.at.acceleration, self.tangent, &impact)?;
         if let Some(ranges) = &mut self.ranges {
             let by = (&*self.tangent, &jump);
@@ -171,12 +181,6 @@ impl Crossing<'_, '_> {
             struck: &contacts_of(events),
             time: events[0].time,
         };
-        let mut laws = modes_of(&mut self.at.acceleration, &all);
-        for (contact, law) in laws.iter_mut().enumerate() {
-            if self.at.is_closed(contact) && !all.struck.contains(&contact) {
-                *law = self.at.modes[contact];
-            }
-        }
         let ended = ended(&mut self.at.acceleration, &all);
         for &place in order {
             let event = found[place].event;
@@ -184,7 +188,7 @@ impl Crossing<'_, '_> {
                 return None;
             }
             let rates = self.at.rates(&x, control_rates);
-            let cause = cause(self.at, &x, event, (&rates, &tangent))?;
+            let cause = cause(self.at, &x, event, ([&rates, &rates], &tangent))?;
             tangent.shift(&rates, &cause.times, 1.0);
             match event.kind {
                 EventKind::Impact => {
@@ -192,7 +196,7 @@ impl Crossing<'_, '_> {
                         (0..after.len()).filter(|&i| self.at.is_closed(i) || i == event.contact);
                     let struck: Vec<usize> = closed.collect();
                     let of = (&struck[..], &ended[..]);
-                    let behind = struck_alone(&mut self.at.acceleration, of, &laws, &x)?;
+                    let behind = struck_alone(&mut self.at.acceleration, of, &x)?;
                     let impact = Impact {
                         before: &x,
                         after: &behind,

@@ -298,7 +298,7 @@ pub struct Solution {
     /// with these values.
     pub parameters: Vec<FoundParameter>,
     /// How the optimum changes with given parameters, where that is asked for by
-    /// [`Settings::gradient`](super::Settings::gradient); none without a confirmed motion.
+    /// [`Settings::gradient`](super::Settings::gradient); without a plan that was polished why there are no derivatives.
     pub gradient: Option<OptimumGradient>,
     /// What is proved about the contact sequence. `S`: nowhere do gap and force of a contact vanish together, and no
     /// switch sticks to a jump of the controls, so that the sequence has no neighbours. `B`: no neighbour is better.

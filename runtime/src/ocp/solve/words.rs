@@ -14,6 +14,7 @@ use crate::ocp::collocation::discretization::{Lengths, Setting, parabolas};
 use crate::ocp::effort::Effort;
 use crate::ocp::global::guess::guess;
 use crate::ocp::judge::confirm::{confirm, report};
+use crate::ocp::judge::gradient::gradient;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::problem::{Problem, bounds};
@@ -507,9 +508,10 @@ fn replayed(
     (local, stationarity): (Local, Stationarity),
     elements: usize,
 ) -> Result<Solution, InputError> {
-    let local = local.polished(runner);
+    let mut local = local.polished(runner);
     let elements = vec![elements; setting.problem.intervals];
-    let solution = confirm(runner, setting, &elements, &local, stationarity)?;
+    let mut solution = confirm(runner, setting, &elements, &local, stationarity)?;
+    solution.gradient = gradient(&mut local);
     // At an end of the final times that its program looks at a plan is no optimum: others lie beyond it.
     if setting.final_times().end_at(solution.horizon).is_some() {
         let status = solution.status;

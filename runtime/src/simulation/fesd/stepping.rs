@@ -15,7 +15,7 @@ use crate::run::rest::BURST;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::MOMENT;
 use crate::simulation::watch::Watch;
-use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
+use crate::simulation::{EventKind, ProblemSize, Seconds, Simulation, SimulationStatus};
 use crate::simulation::{accumulation, agreement};
 
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
@@ -121,9 +121,14 @@ fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), Simulatio
     now.contacts
         .remember_rounding_at_start(&now.x, MOMENT * driver.setup.horizon);
     leave_the_ground(driver);
+    driver.record_state();
     if let Err(error) = mode_change::settle(driver, &[]) {
-        driver.record_state();
         return Err(diagnosis::stopped(driver, 0, &Stop::Mode(error)));
+    }
+    let mut events = driver.record.events.iter();
+    if !events.any(|event| event.kind == EventKind::Impact) {
+        // The instant before is one of its own where something is struck at once.
+        driver.record.trajectory.truncate(0);
     }
     driver.record.initial_modes = driver.now.modes();
     driver.record_state();
