@@ -45,7 +45,7 @@
 //!
 //! [`Decision`] reads from a balance of accelerations what each contact does next: it carries a force, or leaves with an
 //! acceleration; it sticks inside of its cone, or slips with an acceleration. Where both sides of a condition vanish it says so. Contacts
-//! whose velocity others hold need no force of their own ([`sharing`]); in space all share the load, and let go where none of their
+//! whose velocity others hold need no force of their own ([`shares::is_free`]); in space all share the load, and let go where none of their
 //! [`shares`] obeys the laws of all. Impacts that follow too fast to be told apart, or that a scene wants in sequence, are a [`cluster`]; those of
 //! others may pass an [`edge`] by.
 //!
@@ -84,7 +84,6 @@ mod polyhedral;
 mod problem;
 mod rest;
 pub(crate) mod shares;
-pub(crate) mod sharing;
 mod space;
 mod state;
 pub(crate) mod touching;
@@ -92,7 +91,7 @@ mod view;
 
 pub(crate) use balance::{Balance, Decision, Vanished, sliding};
 pub use contact_mode::{ContactMode, Direction};
-pub(crate) use line::{Line, stuck, tangents};
+pub(crate) use line::{Line, stuck, tangents, unbiased_lines};
 pub(crate) use mode_error::ModeError;
 pub(crate) use problem::{Cone, Problem};
 pub(crate) use rest::Rest;
