@@ -16,6 +16,9 @@
 //! (an equilibrium of Filippov's inclusion; for certain unless motions close to it turn round it in ever longer times: those
 //! have left it a finite time ago), and slides by the law of friction where a jump holds it.
 //!
+//! Where several functions are held at zero by their jumps, motions beside that zero may still turn round it ever farther away, although no
+//! choice of sides leaves it: then there are several motions as well.
+//!
 //! Source: Filippov, *Differential Equations with Discontinuous Righthand Sides* (1988), paragraphs 15 and 22.
 
 use std::ops::DerefMut;
@@ -39,9 +42,9 @@ const LOOKAHEAD: usize = 3;
 const FOLLOWED: f64 = 0.5;
 const DOUBLINGS: usize = 8;
 /// Corners of a motion round the common zero of sliding switches that are followed, and the factor by which it comes closer or farther away until
-/// it is known to do so. Chosen: a growth of a hundredth at each corner is seen.
+/// it is known to do so. Chosen: a growth of 0.4 % at each corner is seen.
 const CORNERS: usize = 1_000;
-const FAR: f64 = 1e3;
+const FAR: f64 = 30.0;
 /// Share of the terms of an acceleration above which a choice of sides leaves a rest at once.
 const LEAVES: f64 = 1e-6;
 
@@ -160,9 +163,13 @@ fn turns_away(
     sliding: &[(usize, f64)],
     turn: f64,
 ) -> Option<bool> {
-    let begun = sliding.iter().enumerate();
+    let lines: Vec<Line> = sliding.iter().map(|&(i, _)| Line::tangent(i)).collect();
+    let rows = view.couplings(&lines);
+    let rows = rows.chunks_exact(lines.len());
+    let units: Vec<f64> = rows.map(|row| row.iter().map(|k| k.abs()).sum()).collect();
+    let begun = units.iter().enumerate();
     let mut values: Vec<f64> = begun
-        .map(|(k, (_, unit))| unit * turn.powi(k as i32) / (k + 1) as f64)
+        .map(|(k, unit)| unit * turn.powi(k as i32) / (k + 1) as f64)
         .collect();
     for _ in 0..CORNERS {
         for (&(i, _), value) in sliding.iter().zip(&values) {
@@ -190,10 +197,8 @@ fn turns_away(
                 *value + first * rate
             };
         }
-        let sizes = values.iter().zip(sliding);
-        let size = sizes.fold(0.0_f64, |most, (value, (_, unit))| {
-            most.max(value.abs() / unit)
-        });
+        let sizes = values.iter().zip(&units);
+        let size = sizes.fold(0.0_f64, |most, (value, unit)| most.max(value.abs() / unit));
         if !(1.0 / FAR..=FAR).contains(&size) {
             return Some(size > FAR);
         }
