@@ -150,39 +150,6 @@ mod tests {
             .collect()
     }
 
-    /// A row of equal balls that touch: contact `i` between balls `i` and `i + 1`, in units of its normal velocity.
-    fn row_of_balls(contacts: usize) -> Vec<f64> {
-        let entry = |i: usize, j: usize| match i.abs_diff(j) {
-            0 => 1.0,
-            1 => -0.5,
-            _ => 0.0,
-        };
-        (0..contacts * contacts)
-            .map(|k| entry(k / contacts, k % contacts))
-            .collect()
-    }
-
-    #[test]
-    fn ball_that_strikes_a_row_shares_its_momentum_with_all() {
-        let contacts = 49;
-        let matrix = row_of_balls(contacts);
-        let mut offsets = vec![0.0; contacts];
-        offsets[0] = -1.0;
-        let problem = Problem {
-            matrix: &matrix,
-            offsets: &offsets,
-            cones: &[],
-            surfaces: offsets.len(),
-            in_space: false,
-        };
-        let solution = solve(&problem, None).expect("solvable");
-        for (k, p) in solution.forces.iter().enumerate() {
-            // Of 50 balls with the velocity 1/50 those behind contact k have what is left of the momentum; p = 2 P.
-            let momentum = 1.0 - (k + 1) as f64 / 50.0;
-            assert!((p - 2.0 * momentum).abs() < 1e-13, "{k}: {p}");
-        }
-    }
-
     #[test]
     fn redundant_contacts_leave_forces_that_their_equations_determine() {
         // A beam on 30 points: height and angle.

@@ -11,8 +11,9 @@ use super::driver::{Driver, end_bounces, rest_velocity};
 use super::mode_change;
 use super::settings::StepFormulation;
 use super::stop::Stop;
+use crate::contact::impact;
 use crate::contact::{ActiveContact, ContactState, find};
-use crate::contact::{impact, sharing};
+use crate::fesd::contact_mode;
 use crate::fesd::finite_element::{ElementError, State};
 use crate::joints::{JointError, Joints};
 use crate::model::Model;
@@ -401,7 +402,7 @@ fn take_element(
         .collect();
     let contacts = driver.setup.contacts();
     driver.now.evaluate_contacts(contacts);
-    sharing::drop_dependent_sticks(&driver.now.contacts, &mut driver.now.active)?;
+    contact_mode::share_friction(&driver.now.contacts, &mut driver.now.active, None)?;
     for held in driver.now.active.clone() {
         let earlier = find(&sliding, held.contact);
         let kind = earlier.and_then(|earlier| EventKind::between(earlier, held.state));
