@@ -83,9 +83,9 @@ impl ContactSize {
         COLLECTED * self.gap
     }
 
-    /// Gap that rounding leaves at `time`: that of its terms, and of accelerations that hold it.
-    pub(crate) fn collected_gap(self, time: f64) -> f64 {
-        COLLECTED * (self.gap + self.gained * time)
+    /// Gap that rounding leaves in a run of this `length` \[s\]: that of its terms, and of accelerations that balance.
+    pub(crate) fn collected_gap(self, length: f64) -> f64 {
+        COLLECTED * (self.gap + self.gained * length)
     }
 
     /// Size of the normal velocity.

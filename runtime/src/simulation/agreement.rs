@@ -242,8 +242,8 @@ fn of_flights(run: &Simulation, model: &dyn Model, sizes: &Sizes) -> f64 {
             ImpactLaw::Restitution => model.restitution(event.contact),
         };
         for (k, speed) in speed.iter_mut().enumerate() {
-            let ends = event.v_before[k].abs() + event.v_after[k].abs();
-            *speed = kept * *speed + added * ends;
+            let [before, after] = [&event.v_before, &event.v_after].map(|v| added * v[k].abs());
+            *speed = kept * (*speed + before) + after;
         }
     }
     go_on(run.trajectory.time.last().copied().unwrap_or(0.0), &speed);

@@ -14,6 +14,8 @@ use crate::simulation::{ContactMode, ControlSignal, InitialValueProblem, Traject
 pub(super) struct Present<'a> {
     pub(super) state: State,
     pub(super) numerical_time: f64,
+    /// Length of the run \[s\].
+    length: f64,
     /// Contacts that carry a force.
     pub(super) active: Vec<ActiveContact>,
     /// Controls \[their units\].
@@ -55,6 +57,7 @@ impl<'a> Present<'a> {
                 v: problem.v.clone(),
             },
             numerical_time: 0.0,
+            length: problem.horizon,
             active: Vec::with_capacity(contacts),
             u: vec![0.0; declaration.controls.len()],
             piece: ControlPiece::default(),
@@ -213,7 +216,7 @@ impl<'a> Present<'a> {
 
     /// Takes note of the conditions of contacts.
     fn measure(&self, verdict: &mut Verdict) {
-        let (contacts, time) = (&self.contacts, self.state.time);
+        let (contacts, length) = (&self.contacts, self.length);
         let frictions = contacts.frictions(&self.active, &self.forces);
         for ((held, &r), s) in self.active.iter().zip(&self.forces).zip(frictions) {
             let i = held.contact;
@@ -221,7 +224,7 @@ impl<'a> Present<'a> {
             verdict.complements(self.gaps[i], r);
             verdict.is_positive(("the normal force", i), r, (0.0, contacts.phi_scale(i)));
             if !contacts.is_dry(i) {
-                let sizes = (size.collected_gap(time), contacts.range(i));
+                let sizes = (size.collected_gap(length), contacts.range(i));
                 verdict.vanishes(("the gap", i), self.gaps[i], sizes);
                 let sizes = (size.touching_velocity(), size.speed());
                 verdict.vanishes(("the normal velocity", i), self.velocities[i], sizes);
@@ -246,7 +249,7 @@ impl<'a> Present<'a> {
             if find(&self.active, i).is_none() {
                 let acting = self.size(contacts.pieces.acting(i));
                 let size = self.size(i).as_difference_from(acting);
-                let sizes = (size.collected_gap(time), contacts.range(i));
+                let sizes = (size.collected_gap(length), contacts.range(i));
                 verdict.is_positive(("the gap", i), self.gaps[i], sizes);
             }
         }
