@@ -55,8 +55,8 @@
 //!
 //! - integration, and the steps that end at a switch, with the memory of the equations of a mode; which function falls first on dense
 //!   output is found for both by `enclosure`;
-//! - what counts as zero: sizes of terms for finite elements, ranges and moments of a motion for the event-driven method, which
-//!   follow from how each integrates and are arguments here;
+//! - what counts as zero: sizes of terms for finite elements, ways and moments of a motion for the event-driven method, which
+//!   follow from how each integrates and are arguments here; both are measured by the `extent` of the motion;
 //! - the choice where accelerations decide nothing: finite elements solve the same problem one derivative higher, the event-driven
 //!   method looks at what follows a moment later;
 //! - how many solutions are asked for: the event-driven method and Moreau's time stepping want all. Finite elements take the first, in
@@ -74,6 +74,7 @@ mod blocks;
 pub(crate) mod cluster;
 mod contact_mode;
 pub(crate) mod edge;
+mod extent;
 mod few;
 pub(crate) mod impact;
 pub(crate) mod law;
@@ -91,6 +92,7 @@ mod view;
 
 pub(crate) use balance::{Balance, Decision, Vanished, sliding};
 pub use contact_mode::{ContactMode, Direction};
+pub(crate) use extent::Extent;
 pub(crate) use line::{Line, stuck, tangents, unbiased_lines};
 pub(crate) use mode_error::ModeError;
 pub(crate) use problem::{Cone, Problem};

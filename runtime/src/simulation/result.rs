@@ -57,7 +57,7 @@ pub struct Simulation {
     pub trajectory: Trajectory,
     /// Largest residuals measured over the whole run: of the discrete equations and of the contact constraints while in
     /// contact (`primal`), of signs, that is negative contact forces or penetration (`dual`), and of products of a gap and
-    /// its normal contact acceleration (`complementarity`).
+    /// its normal contact acceleration (`complementarity`). A run is solved only where none is above its tolerance.
     pub residuals: Residuals,
     /// Error at the end and at events relative to the largest values of the motion: the difference to a looser run, with
     /// another tolerance, on half the steps or with twice the width, or the sum of the errors of the steps where that is
@@ -278,7 +278,7 @@ pub enum SimulationStatus {
     /// The limit on the number of events was reached before the horizon.
     EventLimit(Diagnosis),
     /// Reached the horizon, but not with the accuracy that is promised: the time of the diagnosis is that of the last
-    /// event up to which two runs agree.
+    /// event up to which two runs agree, or at which a condition of a contact is missed.
     Inaccurate(Diagnosis),
 }
 

@@ -69,13 +69,14 @@ pub(super) fn promised(
         if failed == [false, false] {
             let compared = Comparison::of(&looser, &mut tighter, (model, problem), promise);
             let kept = compared.error <= promise;
-            if !kept && runs == MAX_RUNS {
+            let last = runs == MAX_RUNS || compared.stays();
+            if !kept && last {
                 tighter.status = inaccurate(&compared, promise);
             }
             if kept {
                 confirm(&mut tighter, promise, (model, problem), watch, &mut spent);
             }
-            if kept || runs == MAX_RUNS {
+            if kept || last {
                 return spent.charge(tighter);
             }
             // A witness that disagrees is none: the errors are not yet what their order says.

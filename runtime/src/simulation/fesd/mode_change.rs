@@ -142,7 +142,9 @@ fn change_mode(
         driver.now.evaluate_contacts(active);
         note_held_flights(driver);
         let now = &mut driver.now;
-        hold(&now.contacts, &now.active, &mut now.state.v)?;
+        // A flight too low to be told apart would end with an impact, whose friction is that of what slides.
+        let lines = now.contacts.lines_of_impulses(&now.active);
+        hold(&now.contacts, &lines, &mut now.state.v)?;
     }
     Ok(impact.struck)
 }

@@ -277,12 +277,9 @@ fn take(
     solution: &mpcc::Solution,
 ) -> Result<(), Stop> {
     let residuals = solution.residuals;
-    driver.record.residuals.primal = driver.record.residuals.primal.max(residuals.primal);
-    driver.record.residuals.complementarity = driver
-        .record
-        .residuals
-        .complementarity
-        .max(residuals.complementarity);
+    let measured = &mut driver.record.verdict.residuals;
+    measured.primal = measured.primal.max(residuals.primal);
+    measured.complementarity = measured.complementarity.max(residuals.complementarity);
     follow(driver, program, &solution.x)?;
     driver.note(
         "steps solved as complementarity problems know the time of a switch to the length of an \
@@ -344,7 +341,8 @@ fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Re
     // The velocities are along the surface at the position before; it has another normal where that has been moved to.
     let now = &mut driver.now;
     now.evaluate_contacts(now.active.clone().iter().map(|held| held.contact));
-    impact::hold(&now.contacts, &now.active, &mut now.state.v)?;
+    let lines = now.contacts.lines_of_impulses(&now.active);
+    impact::hold(&now.contacts, &lines, &mut now.state.v)?;
     mode_change::settle(driver, &close)?;
     set_modes(driver, followed.open_from);
     Ok(())

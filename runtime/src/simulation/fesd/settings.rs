@@ -5,6 +5,7 @@ use crate::model::Model;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
+use crate::simulation::other_grid::SUSPECT;
 
 /// How the equations of a step are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -133,10 +134,22 @@ impl Fesd {
     #[must_use]
     pub fn promise(&self) -> Option<f64> {
         let grid = self.steps.is_some() && self.tolerance.is_none();
-        let published =
-            self.formulation == StepFormulation::Complementarity || !self.exit_condition;
-        let controlled = !published && !grid;
+        let controlled = !self.is_published() && !grid;
         controlled.then(|| self.tolerance.unwrap_or(Self::PROMISE))
+    }
+
+    /// Whether elements are as they are published, where a contact may pull until its element ends.
+    fn is_published(&self) -> bool {
+        self.formulation == StepFormulation::Complementarity || !self.exit_condition
+    }
+
+    /// Share of their terms by which conditions of contacts may be missed.
+    pub(super) fn residual_tolerance(&self) -> f64 {
+        match self.promise() {
+            Some(promise) => promise,
+            None if self.is_published() => f64::INFINITY,
+            None => SUSPECT,
+        }
     }
 
     /// Stages of the scheme, whether named or not.

@@ -41,7 +41,11 @@ enum Segment {
 pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
     let clock = ThreadTime::now();
     let status = match steps(&mut driver, watch) {
-        Ok(()) => SimulationStatus::Solved,
+        Ok(()) => {
+            let verdict = &driver.record.verdict;
+            let status = verdict.status(driver.setup.model);
+            status.unwrap_or(SimulationStatus::Solved)
+        }
         Err(status) => status,
     };
     if driver.record.forgetful {
@@ -74,7 +78,7 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         initial_modes: driver.record.initial_modes,
         events: driver.record.events,
         trajectory: driver.record.trajectory,
-        residuals: driver.record.residuals,
+        residuals: driver.record.verdict.residuals,
         size: driver.record.size,
         counts: driver.record.counts,
         seconds: Seconds {
