@@ -290,13 +290,11 @@ fn work(simulation: &Simulation) -> String {
     let _ = writeln!(text, "residuals   {}", residual_line(simulation.residuals));
     let _ = writeln!(
         text,
-        "counts      {}, {}, {}, {}, {} in {}",
+        "counts      {}, {}, {}, {}",
         counted(counts.elements, "element"),
         counted(counts.newton, "Newton iteration"),
         counted(counts.factorizations, "factorization"),
-        counted(counts.evaluations, "evaluation"),
-        counted(counts.interior_point, "interior point iteration"),
-        counted(counts.fallbacks, "fallback")
+        counted(counts.evaluations, "evaluation")
     );
     let _ = writeln!(text, "CPU time    {}", seconds(simulation.seconds.total));
     for note in &simulation.notes {

@@ -328,7 +328,6 @@ impl Spent {
         self.counts.newton += run.counts.newton;
         self.counts.factorizations += run.counts.factorizations;
         self.counts.evaluations += run.counts.evaluations;
-        self.counts.fallbacks += run.counts.fallbacks;
         self.seconds += run.seconds.total;
     }
 

@@ -74,7 +74,7 @@ pub struct Simulation {
     /// Functions of the contact mode that were interpolated: between the places at which they were evaluated nothing bounds them, so that
     /// an event might be missed there. Those of all others are enclosed. None by methods that locate no events.
     pub interpolated: Option<Vec<String>>,
-    /// Remarks that a user should read: the impact law used for simultaneous impacts, fallbacks.
+    /// Remarks that a user should read: the impact law used for simultaneous impacts.
     pub notes: Vec<String>,
 }
 
@@ -546,8 +546,6 @@ pub struct Counts {
     pub evaluations: usize,
     /// Accepted steps or finite elements.
     pub elements: usize,
-    /// Steps that needed the interior point fallback.
-    pub fallbacks: usize,
     /// Switches of the contact mode, listed or not; 0 for methods without events.
     #[serde(skip)]
     pub events: usize,
@@ -561,7 +559,6 @@ impl Counts {
         self.newton += other.newton;
         self.factorizations += other.factorizations;
         self.evaluations += other.evaluations;
-        self.fallbacks += other.fallbacks;
         self
     }
 }

@@ -653,12 +653,6 @@ impl<'a> Transcription<'a> {
         nodes.map(|u| u.iter().map(value).collect()).collect()
     }
 
-    /// Length of element `e` in numerical time.
-    pub(crate) fn numerical_length(&self, x: &[f64], e: usize) -> f64 {
-        let element = &self.elements[e];
-        x[element.length] * x[self.intervals[element.interval].length]
-    }
-
     /// `(q, v)` at the start.
     pub(crate) fn initial_state(&self, x: &[f64]) -> Vec<f64> {
         self.values(x, &self.outer.start)
@@ -687,14 +681,5 @@ impl<'a> Transcription<'a> {
             return 0.5;
         }
         x[self.elements[e].sums + SUMS * contact] / self.tableau.stages() as f64
-    }
-
-    /// Share of the friction of `contact` in element `e` that opposes forward sliding: 1 where it slides
-    /// forward, 0 backward, between where it sticks; `None` without friction or without a force.
-    pub(crate) fn slip_share(&self, x: &[f64], e: usize, contact: usize) -> Option<f64> {
-        let first = self.elements[e].sums + SUMS * self.field.layout.slip_group(contact)?;
-        let (forward, backward) = (x[first], x[first + 2]);
-        let force = forward + backward;
-        (force > 0.0).then(|| forward / force)
     }
 }

@@ -359,7 +359,6 @@ fn of_motion(run: &Simulation, name: &str) -> Option<f64> {
         "counts.events" => run.counts.events as f64,
         "counts.evaluations" => run.counts.evaluations as f64,
         "counts.factorizations" => run.counts.factorizations as f64,
-        "counts.fallbacks" => run.counts.fallbacks as f64,
         "counts.newton" => run.counts.newton as f64,
         _ => return None,
     })

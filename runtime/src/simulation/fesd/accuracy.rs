@@ -132,10 +132,6 @@ pub(super) fn compared(
     watch.restart(true);
     let mut fine = stepping::run(Driver::new(&twice, tableau, model, problem), watch);
     spent.add(&fine);
-    if fine.counts.fallbacks > 0 {
-        // Of switches in steps that are solved as programs the other grid tells more than the length of their elements.
-        fine.error_estimate = None;
-    }
     if fine.status.is_solved() {
         let compared = Comparison::of(&coarse, &mut fine, (model, problem), promise);
         if !coarse.status.is_solved() {

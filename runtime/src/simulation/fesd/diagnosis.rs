@@ -259,7 +259,6 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
     let failed =
         |what: &str| SimulationStatus::StepFailed(diagnosis(driver, step, contact, describe(what)));
     match stop {
-        Stop::Interrupted => interrupted(driver.now.state.time, driver.record.counts.elements),
         Stop::Element(ElementError::NotFinite) | Stop::Mode(ModeError::NotFinite) => {
             SimulationStatus::NotFinite(diagnosis(
                 driver,
@@ -279,7 +278,6 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
         Stop::Element(ElementError::NotConverged) => {
             failed("Newton's method did not converge; take more steps")
         }
-        Stop::Program(what) => failed(what),
         &Stop::Leap(contact, time) => SimulationStatus::NotFinite(Diagnosis {
             time,
             step,

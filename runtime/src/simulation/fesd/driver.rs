@@ -12,7 +12,6 @@ use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{FiniteElement, State};
 use crate::model::{ImpactLaw, Model};
 use crate::rk::ButcherTableau;
-use crate::run::impact::EndOfBounces;
 use crate::run::remarks::Remarks;
 use crate::run::{Bounce, Instant};
 use crate::simulation::event_log::EventLog;
@@ -403,21 +402,4 @@ pub(super) fn rest_velocity(driver: &Driver<'_>, contact: usize) -> f64 {
     let largest = driver.now.size(contact).speed();
     let chosen = driver.setup.settings.rest_velocity;
     chosen.unwrap_or(REST * largest)
-}
-
-/// Remembers the bounces of contacts that came with these speeds and stay, which were left out.
-pub(super) fn end_bounces(driver: &mut Driver<'_>, ended: &[(usize, f64)]) {
-    let time = driver.now.state.time;
-    for &(contact, speed) in ended {
-        if find(&driver.now.active, contact).is_some() {
-            let pull = -driver.now.contacts.normal_acceleration(contact);
-            let height = (driver.setup.restitution[contact] * speed).powi(2) / (2.0 * pull);
-            let end = EndOfBounces {
-                contact,
-                speed,
-                height,
-            };
-            driver.record.remarks.add_end(time, end);
-        }
-    }
 }

@@ -133,14 +133,6 @@ impl<'a> Present<'a> {
         }
     }
 
-    /// Looks at all contacts, whichever are far.
-    pub(super) fn look_everywhere(&mut self) {
-        let news = self.near.forget();
-        self.write_input();
-        self.choose_pieces(&news);
-        self.observe(news);
-    }
-
     /// Time on which gaps depend, if they do.
     fn time(&self) -> Option<f64> {
         let has_time = self.x.len() > 2 * self.state.q.len() + self.u.len();

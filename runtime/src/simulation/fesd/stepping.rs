@@ -5,12 +5,11 @@ use hangtime_solver::clock::ThreadTime;
 use super::diagnosis::{self, MAX_SWITCHES};
 use super::driver::Driver;
 use super::error_control::ErrorControl;
-use super::settings::{Fesd, StepFormulation};
+use super::settings::Fesd;
 use super::stop::Stop;
-use super::{hidden_force, location, mode_change, program, standstill};
+use super::{hidden_force, location, mode_change, standstill};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
-use crate::model::{edge, joint_rows};
 use crate::run::rest::BURST;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::MOMENT;
@@ -249,14 +248,10 @@ fn advance(
         take_up_controls(driver, number)?;
         let next = driver.setup.controls.next_break(driver.now.state.time);
         let piece_end = next.map_or(end, |next| next.min(end));
-        if driver.setup.settings.formulation == StepFormulation::Complementarity {
-            driver.now.look_everywhere();
-            program::solve_program(driver, piece_end, watch)
-                .map_err(|stop| diagnosis::stopped(driver, number, &stop))?;
-        } else if standstill::rests(driver) {
+        if standstill::rests(driver) {
             standstill::rest(driver, piece_end)
                 .map_err(|error| diagnosis::stopped(driver, number, &Stop::Mode(error)))?;
-        } else if let Err(status) = attempt(driver, &mut step, piece_end, watch) {
+        } else if let Err(status) = attempt(driver, &mut step, piece_end) {
             match standstill::comes_to_rest(driver) {
                 Ok(true) => {}
                 Ok(false) => return Err(status),
@@ -279,7 +274,6 @@ fn attempt(
     driver: &mut Driver<'_>,
     step: &mut Step,
     piece_end: f64,
-    watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
     let time = driver.now.state.time;
     let share = (piece_end - time) / (step.end - step.begin);
@@ -324,7 +318,7 @@ fn attempt(
             }
             driver.record.log.tidy(&mut driver.record.events);
         }
-        Err(stop) => recover(driver, step, (end, stop), watch)?,
+        Err(stop) => recover(driver, step, (end, stop))?,
     }
     Ok(())
 }
@@ -352,12 +346,11 @@ fn foreseen(driver: &mut Driver<'_>, end: f64, elements: usize) -> f64 {
     }
 }
 
-/// Goes on after a segment up to `end` that failed: with shorter elements, or with the step as a program.
+/// Goes on after a segment up to `end` that failed with shorter elements, as far as they may help.
 fn recover(
     driver: &mut Driver<'_>,
     step: &mut Step,
     (end, stop): (f64, Stop),
-    watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
     if matches!(stop, Stop::Leap(..)) {
         return Err(diagnosis::stopped(driver, step.number, &stop));
@@ -377,25 +370,7 @@ fn recover(
         let jammed = Stop::Mode(ModeError::Jammed);
         return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-    // The program knows no edges, no switches, and one coefficient of friction a contact; motions with joints are left to the event-driven method.
-    let mut declared = driver.setup.model.declaration().contacts.iter();
-    let beyond = declared.any(|known| {
-        let kinetic = known.friction.is_some_and(|friction| friction.kinetic);
-        let across = known
-            .friction
-            .is_some_and(|friction| friction.across.is_some());
-        known.switch.is_some() || kinetic || across || !known.loads.is_empty()
-    });
-    let unknown =
-        beyond || edge(driver.setup.model).is_some() || joint_rows(driver.setup.model) > 0;
-    if mode || not_finite || unknown {
-        return Err(diagnosis::stopped(driver, step.number, &stop));
-    }
-    driver.now.look_everywhere();
-    program::solve_program(driver, end, watch)
-        .map_err(|stop| diagnosis::stopped(driver, step.number, &stop))?;
-    step.halvings = 0;
-    Ok(())
+    Err(diagnosis::stopped(driver, step.number, &stop))
 }
 
 /// Controls that hold from now on; a jump of theirs may change the contact mode.
