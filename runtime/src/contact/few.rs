@@ -219,11 +219,6 @@ mod tests {
         assert_eq!(every(&[-1.0], &[1.0], &[]).len(), 2);
     }
 
-    #[test]
-    fn no_contact_gives_the_empty_solution() {
-        assert_eq!(every(&[], &[], &[]).len(), 1);
-    }
-
     proptest! {
         #![proptest_config(same_in_every_run())]
         /// Positive definite matrices: the problem of an impact always has a solution, and every one found

@@ -220,6 +220,30 @@ mod tests {
             }
         }
 
+        /// Switches of a force of one: with couplings of any signs, without symmetry, Lemke's method ends at a solution.
+        #[test]
+        fn switches_of_any_couplings_are_solved(
+            couplings in proptest::collection::vec(-1.0..1.0_f64, 100),
+            q in proptest::collection::vec(-2.0..2.0_f64, 10),
+        ) {
+            let entry = |(row, column): (usize, usize)| match (row < 10, column < 10) {
+                (false, false) => couplings[10 * (row - 10) + column - 10],
+                _ => f64::from(u8::from(row == column)),
+            };
+            let matrix: Vec<f64> = (0..400).map(|k| entry((k / 20, k % 20))).collect();
+            let offsets: Vec<f64> = [-1.0; 10].into_iter().chain(q).collect();
+            let cone = |normal| Cone { normal, friction: 1.0, kinetic: 1.0, across: None };
+            let cones: Vec<Cone> = (0..10).map(cone).collect();
+            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &cones, surfaces: 0, in_space: false };
+            let mut f = vec![0.0; 20];
+            prop_assert!(solve_polyhedral(&problem, &mut f).is_ok());
+            for line in 10..20 {
+                let w = problem.motion(line, &f).0;
+                // Some twenty pivots, of matrices with a condition up to 1e4.
+                prop_assert!(f[line].abs() <= 1.0 + 1e-9 && (f[line] * w + w.abs()).abs() <= 1e-9, "{w} {f:?}");
+            }
+        }
+
         /// Coupled contacts with friction, well away from dependence: the solution obeys the law to rounding error.
         #[test]
         fn contacts_with_friction_obey_the_law(

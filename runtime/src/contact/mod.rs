@@ -60,7 +60,7 @@
 //! - the choice where accelerations decide nothing: finite elements solve the same problem one derivative higher, the event-driven
 //!   method looks at what follows a moment later;
 //! - how many solutions are asked for: the event-driven method and Moreau's time stepping want all. Finite elements take the first, in
-//!   which what may rest does, and ask for all only where friction may push a contact into the ground or a switch may slide. All refuse several motions.
+//!   which what may rest does, and ask for all where friction may push a contact into the ground or a switch may slide. All refuse several motions.
 //!
 //! Sources: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988); Kostreva, *Block pivot methods for
 //! solving the complementarity problem* (1978); Judice, Pires, *A block principal pivoting algorithm for large-scale strictly
