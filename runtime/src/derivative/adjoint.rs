@@ -127,7 +127,7 @@ pub(super) fn error<'v>(
         .collect::<Option<Vec<f64>>>()?
         .into_iter()
         .fold(0.0, f64::max);
-    Some(off + motion.1.error_estimate.unwrap_or_default())
+    Some(off + motion.1.error_estimate.unwrap_or_default().max(walk.missed))
 }
 
 /// A walk with the one direction in which quantities change by these shares.

@@ -39,6 +39,8 @@ pub(super) struct Walk<'w> {
     joints: Option<JointRows<'w>>,
     /// How the horizon changes with the parameters.
     horizon: Vec<f64>,
+    /// What the motion itself is off, as a share of the largest values: distances of steps from it, which add like those of a random walk.
+    pub(super) missed: f64,
     /// Margins at the start of the step that comes, and the derivatives there.
     begin: Option<(Vec<Margin>, Tangent)>,
     /// Derivatives of the times of the events passed.
@@ -73,6 +75,7 @@ impl<'w> Walk<'w> {
             joints: JointRows::of(model, at.acceleration.columns),
             at,
             horizon: quantities.horizon(model, problem),
+            missed: 0.0,
             flow: Tangent::zeros(tangent.layout, 1),
             tangent,
             existence: Existence::of(names),
@@ -288,6 +291,9 @@ impl<'w> Walk<'w> {
                 trajectory.time[k + 1]
             ));
         }
+        let sizes = self.at.sizes.iter();
+        let shares = missed.iter().zip(sizes).map(|(missed, size)| missed / size);
+        self.missed = self.missed.hypot(shares.fold(0.0, f64::max));
         if let (Some(samples), Some(before)) = (&mut self.samples, before) {
             let whole = self.existence.lost.iter().all(Option::is_none);
             samples.within(&mut self.at, (k + 1, true), whole.then_some(&before));
