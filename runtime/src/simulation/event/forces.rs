@@ -35,7 +35,7 @@ impl Forces {
                 point[contact_point::GAP],
                 point[contact_point::NORMAL_VELOCITY],
             );
-            let (normal, sliding) = dynamics.velocity_sizes(i);
+            let [range, normal, sliding] = dynamics.held_sizes(i);
             verdict.complements(gap, dynamics.normal_force(i));
             if dynamics.state(i).is_stuck() {
                 let sizes = (switching::held_velocity(dynamics, i), sliding);
@@ -43,7 +43,7 @@ impl Forces {
                 verdict.vanishes(("the sliding velocity", i), velocity, sizes);
             }
             if !dynamics.is_dry(i) {
-                let sizes = (dynamics.closed_gap(i), dynamics.gap_range(i));
+                let sizes = (dynamics.closed_gap(i), range);
                 verdict.vanishes(("the gap", i), gap, sizes);
                 let sizes = (dynamics.zero_normal_velocity(i), normal);
                 verdict.vanishes(("the normal velocity", i), velocity, sizes);

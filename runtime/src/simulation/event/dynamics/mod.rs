@@ -603,10 +603,16 @@ impl<'a> Dynamics<'a> {
         self.scales[contact].zero_normal_velocity()
     }
 
-    /// Sizes of the terms of the normal and the sliding velocity of a contact.
-    pub(in crate::simulation) fn velocity_sizes(&self, contact: usize) -> (f64, f64) {
-        let scale = &self.scales[contact];
-        (scale.normal_velocity(), scale.sliding_velocity())
+    /// Sizes of the gap, the normal and the sliding velocity of a contact that is held: at least of what forces like the present ones
+    /// could make of them in the longest moment.
+    pub(in crate::simulation) fn held_sizes(&self, contact: usize) -> [f64; 3] {
+        let (scale, moment) = (&self.scales[contact], self.scales[contact].longest());
+        let speed = moment * self.switching.force_floor[contact];
+        [
+            scale.range().max(moment * speed),
+            scale.normal_velocity().max(speed),
+            scale.sliding_velocity().max(speed),
+        ]
     }
 
     /// Below these normal and sliding velocities contacts are at rest.

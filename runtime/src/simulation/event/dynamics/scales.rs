@@ -174,6 +174,11 @@ impl ContactScale {
         self.sliding_velocity = self.sliding_velocity.max(terms);
     }
 
+    /// Longest moment so far \[s\].
+    pub(super) fn longest(&self) -> f64 {
+        self.longest
+    }
+
     /// Size of the terms of the normal velocity.
     pub(super) fn normal_velocity(&self) -> f64 {
         self.normal_velocity
