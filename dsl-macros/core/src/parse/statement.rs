@@ -89,7 +89,10 @@ fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<State
         return Err(error);
     };
     match word.text.as_str() {
-        "parameters" => Ok(Statement::Parameters(quantities(cursor, &word)?)),
+        "parameters" => {
+            let quantities = quantities(cursor, &word)?.into_iter();
+            Ok(Statement::Parameters(quantities.map(in_unit).collect()))
+        }
         "coordinates" => Ok(Statement::Coordinates(quantities(cursor, &word)?)),
         "controls" => Ok(Statement::Controls(quantities(cursor, &word)?)),
         "states" => Ok(Statement::States(quantities(cursor, &word)?)),
@@ -127,7 +130,7 @@ fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<State
         "constraint" => control::constraint(cursor, documentation),
         "finally" => control::finally(cursor, &word),
         "free" if control::is_parameter(cursor) => {
-            let quantity = quantity(cursor)?;
+            let quantity = in_unit(quantity(cursor)?);
             control::free_parameter(cursor, quantity, documentation)
         }
         "free" => control::free(cursor, &word),
@@ -232,7 +235,6 @@ fn quantity(cursor: &mut Cursor) -> Checked<Quantity> {
         unit::in_brackets(cursor, &name)
     };
     let (bounds, value) = said_of(&name, cursor, bounds_and_value)?;
-    let unit = unit.or_else(|| value.as_ref().and_then(Expr::unit).cloned());
     Ok(Quantity {
         documentation,
         name,
@@ -241,6 +243,14 @@ fn quantity(cursor: &mut Cursor) -> Checked<Quantity> {
         value,
         free: false,
     })
+}
+
+/// A parameter without a declared unit in that of its value, `m = 1 [kg]`.
+fn in_unit(quantity: Quantity) -> Quantity {
+    let value = quantity.value.as_ref();
+    let unit = quantity.unit.clone();
+    let unit = unit.or_else(|| value.and_then(Expr::unit).cloned());
+    Quantity { unit, ..quantity }
 }
 
 fn bounds_and_value(cursor: &mut Cursor) -> Checked<(Bounds, Option<Expr>)> {
