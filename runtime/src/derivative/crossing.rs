@@ -41,32 +41,23 @@ impl Crossing<'_, '_> {
         let when = |event: &&Event| event.kind == EventKind::When;
         let conditions: Vec<usize> = events.iter().filter(when).map(|e| e.contact).collect();
         let mut x = x_before.to_vec();
-        let mut first = 0;
-        while let Some(&condition) = conditions.get(first) {
-            if !self.at.holds(condition, (&x, time)) {
+        let mut late = &conditions[..];
+        loop {
+            let mut holds = |&&condition: &&usize| self.at.holds(condition, (&x, time));
+            let count = late.iter().take_while(&mut holds).count();
+            if count == 0 {
                 break;
             }
-            reset::set(
-                &self.at.acceleration,
-                condition,
-                (&mut x, &mut *self.tangent),
-            );
-            first += 1;
+            self.set(&late[..count], &mut x);
+            late = &late[count..];
         }
-        let late = &conditions[first..];
         let behind = reset::before(&self.at.acceleration, late, (&x, x_after));
         let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
         if jumps || self.at.velocities_differ(&x, &behind, ROUNDING) {
             self.strike(&x, &behind)?;
             x = behind;
         }
-        for &condition in late {
-            reset::set(
-                &self.at.acceleration,
-                condition,
-                (&mut x, &mut *self.tangent),
-            );
-        }
+        self.set(late, &mut x);
         if self.at.velocities_differ(&x, x_after, MISSED) {
             return Err(format!(
                 "at t = {time} s `{}` sets something together with another event: which of them is first for other parameters is not known",
@@ -74,6 +65,12 @@ impl Crossing<'_, '_> {
             ));
         }
         Ok(())
+    }
+
+    /// What conditions set, all of them from `x`.
+    fn set(&mut self, conditions: &[usize], x: &mut [f64]) {
+        let by = (x, &mut *self.tangent);
+        reset::set(&self.at.acceleration, conditions, by);
     }
 
     /// What an impact changes.
@@ -208,7 +205,11 @@ impl Crossing<'_, '_> {
                     x = behind;
                 }
                 EventKind::When => {
-                    reset::set(&self.at.acceleration, event.contact, (&mut x, &mut tangent));
+                    reset::set(
+                        &self.at.acceleration,
+                        &[event.contact],
+                        (&mut x, &mut tangent),
+                    );
                 }
                 _ => {}
             }

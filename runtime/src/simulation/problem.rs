@@ -217,6 +217,11 @@ impl InitialValueProblem {
                 ));
             }
         }
+        let mut positive = model.positive().into_iter();
+        if let Some((what, unit, value)) = positive.find(|own| own.2.is_nan() || own.2 <= 0.0) {
+            let bound = "above 0, for these parameters";
+            return Err(refusal::out_of_range(what, value, unit, bound));
+        }
         let n = declaration.coordinates.len();
         length("initial coordinates", self.q.len(), n)?;
         length("initial velocities", self.v.len(), n)?;

@@ -95,6 +95,7 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             arguments,
             body,
         } => function(checker, name, arguments, body),
+        Statement::Positive(positive) => values::positive(checker, positive),
         Statement::Lagrangian { keyword, value } => values::lagrangian(checker, *keyword, value),
         Statement::Dissipation { keyword, value } => values::dissipation(checker, *keyword, value),
         Statement::Forces(assignments) => values::forces(checker, assignments),
@@ -314,6 +315,7 @@ fn finish(
         dependence::gaps(contacts, &mut checker);
     }
     chosen::coordinates(lagrangian, &mut checker);
+    rules::weight(lagrangian, &mut checker);
     rules::unused(&mut checker);
     let mut contacts = contacts?;
     dry::append(&mut checker, &mut contacts);
@@ -349,6 +351,7 @@ fn finish(
         forces,
         contacts,
         joints: checker.laws.joints,
+        positive: checker.laws.positive,
         start,
         horizon: checker.horizon,
         optimal_control,

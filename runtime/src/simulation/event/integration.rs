@@ -21,7 +21,7 @@ use super::forces::Forces;
 use super::here::{Here, LowestBounce};
 use super::search::{EventSearch, Found, Outcome, Step};
 use super::settings::EventDriven;
-use crate::contact::{ContactState, Direction};
+use crate::contact::ContactState;
 use crate::enclosure::hide;
 use crate::model::Model;
 use crate::run::impact::Impact;
@@ -522,22 +522,12 @@ impl<'a> Integration<'a> {
         let vanished = self.dynamics.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
-        let (condition, located) = match vanished {
-            Some(Switch::SlidingVelocity(contact, direction)) => {
-                let comes_true = direction == Direction::Forward;
-                (Some(contact), Some(contact).filter(|_| comes_true))
-            }
-            _ => (None, None),
-        };
-        let mut here = self.here();
-        let value = condition.map(|contact| resets::function(&mut here, contact));
-        let mut set = resets::set(&mut here, located);
-        // Where a condition reads nothing that was set its function vanishes as before, however far rounding has left it from zero.
-        let now = condition.map(|contact| resets::function(&mut here, contact));
-        let vanished = vanished.filter(|_| set.is_empty() || value.is_some() && now == value);
+        let set = self.here().conditions(vanished);
+        let (mut set, vanished) = set.map_err(|problem| self.place().undetermined(problem))?;
         let (mut impact, mut resting) = self.impact(vanished)?;
         if !impact.struck.is_empty() {
-            set.extend(resets::set(&mut self.here(), None));
+            let made_true = resets::set(&mut self.here(), Vec::new());
+            set.extend(made_true.map_err(|problem| self.place().undetermined(problem))?);
         }
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
@@ -551,7 +541,11 @@ impl<'a> Integration<'a> {
             let (dynamics, probe, y) = (&mut self.dynamics, &mut self.probe, &mut self.y);
             contact_mode::change(dynamics, probe, self.t, y, &resting, vanished, outlook)
                 .map_err(|problem| self.place().undetermined(problem))?;
-            if at_start || !resets::set_turned(&mut self.here(), &previously, &mut set) {
+            if at_start {
+                break;
+            }
+            let turned = resets::set_turned(&mut self.here(), &previously, &mut set);
+            if !turned.map_err(|problem| self.place().undetermined(problem))? {
                 break;
             }
             // What was set may lead into a surface.

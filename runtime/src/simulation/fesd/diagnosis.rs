@@ -6,6 +6,7 @@ use crate::contact::find;
 use crate::contact::touching::jammed;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
+use crate::run::resets;
 use crate::simulation::problem::{
     leaps, negative_bound, not_finite_at, not_unique, second_order, unbounded, vanishing_inertia,
     zero_parameters,
@@ -304,6 +305,7 @@ fn undetermined(driver: &Driver<'_>, error: ModeError) -> (Option<usize>, String
         ModeError::NegativeBound(contact) => (Some(contact), negative_bound(name(contact))),
         ModeError::NotUnique(contact) => (Some(contact), not_unique(name(contact))),
         ModeError::SecondOrder(contact) => (Some(contact), second_order(name(contact))),
+        ModeError::SetTwice(contact) => (Some(contact), resets::set_twice(name(contact))),
         ModeError::Dependent => {
             let why = "the normals of the active contacts are dependent";
             (None, why.to_owned())

@@ -338,6 +338,10 @@ impl<'a> Instant<'a> for Driver<'a> {
         self.now.contacts.rates()
     }
 
+    fn accelerations(&mut self) -> Vec<f64> {
+        self.now.acceleration.clone()
+    }
+
     fn state(&self, contact: usize) -> ContactState {
         find(&self.now.active, contact).unwrap_or(ContactState::Open)
     }
@@ -385,6 +389,10 @@ impl<'a> Instant<'a> for Driver<'a> {
 
     fn solve(view: &View<'a>, touching: Touching, offsets: &[f64]) -> Result<Balance, ModeError> {
         Balance::first(touching, view, offsets)
+    }
+
+    fn set_twice(&self, condition: usize) -> ModeError {
+        ModeError::SetTwice(condition)
     }
 
     /// At the end of bounces contacts may strike one after the other where together they jam.
