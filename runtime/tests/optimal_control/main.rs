@@ -1,6 +1,5 @@
 //! Optimal control against closed forms and brute force.
 
-mod aligned;
 mod brute_force;
 mod complementarity_method;
 mod declared;

@@ -38,10 +38,11 @@
 //! [`program`](super::program) and [`motion`](super::motion).
 
 pub(in crate::ocp) mod between_stages;
+pub(in crate::ocp) mod bounds;
 mod builder;
 mod cubic_bounds;
 mod cut_rows;
-mod dense_motion;
+pub(in crate::ocp) mod dense_motion;
 pub(in crate::ocp) mod discretization;
 mod friction_cuts;
 pub(in crate::ocp) mod friction_rows;

@@ -4,7 +4,7 @@ use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp;
 
-use super::optima::{Found, costs_the_same, rank, result, sort};
+use super::optima::{Found, costs_the_same, is_confirmed, rank, result, sort};
 use super::placing::{Begun, grids, on_grid};
 use super::run::{Begin, Task, demoted, failed, tableaus};
 use super::shared_observer::SharedObserver;
@@ -177,13 +177,13 @@ impl Search {
 
     /// Whether a motion is confirmed.
     fn is_confirmed(&self) -> bool {
-        self.found.iter().any(|found| rank(&found.solution).0 == 0)
+        self.found.iter().any(|found| is_confirmed(&found.solution))
     }
 
     /// The least objective of a motion that is confirmed.
     fn least(&self) -> Option<f64> {
         let found = self.found.iter().map(|found| &found.solution);
-        let confirmed = found.filter(|solution| rank(solution).0 == 0);
+        let confirmed = found.filter(|solution| is_confirmed(solution));
         confirmed
             .map(|solution| solution.objective)
             .min_by(f64::total_cmp)
@@ -393,7 +393,7 @@ impl Search {
             let enough = |best: &Solution| {
                 let same = (best.objective - before).abs() <= best.tolerated(OPTIMUM);
                 let open = best.status == Status::Uncertified && same;
-                rank(best).0 == 0 && best.objective <= before + best.tolerated(OPTIMUM) && !open
+                is_confirmed(best) && best.objective <= before + best.tolerated(OPTIMUM) && !open
             };
             if runner.stopped() || !improved && best.as_ref().is_some_and(enough) {
                 break;
@@ -444,10 +444,11 @@ impl Search {
             let Some(mut solution) = confirmed(runner, grid, aligned)? else {
                 continue;
             };
-            if rank(&solution).0 == 0 {
+            if is_confirmed(&solution) {
                 least = least.min(solution.objective);
             }
-            if let Some(motion) = solution.motion.as_mut().filter(|_| !only) {
+            let named = !only && solution.is_aligned();
+            if let Some(motion) = solution.motion.as_mut().filter(|_| named) {
                 motion.notes.push(ALIGNED.to_owned());
             }
             self.add(solution);
