@@ -16,7 +16,7 @@ use crate::ocp::solution::Excess;
 use crate::simulation::Simulation;
 
 /// Difference at a bound, relative to its largest value along the motion, up to which plan and re-simulation are the same there. Chosen.
-const AGREES: f64 = 1e-4;
+const AGREES: f64 = 1e-5;
 
 /// Difference that counts for none, however small these values are, as a multiple of what is let pass where conditions are added. Chosen.
 const LET_PASS: f64 = 1e3;

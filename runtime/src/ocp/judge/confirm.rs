@@ -174,7 +174,11 @@ impl Plan {
             let Some(again) = plan.again(runner, setting, &elements, (&[], false))? else {
                 break;
             };
-            (plan, solution) = Self::judged_once(runner, setting, &elements, again)?;
+            let (finer, other) = Self::judged_once(runner, setting, &elements, again)?;
+            if other.status == Status::Unconfirmed && solution.status != Status::Unconfirmed {
+                break;
+            }
+            (plan, solution) = (finer, other);
         }
         Ok((plan, solution))
     }
