@@ -3,7 +3,6 @@
 mod brute_force;
 mod complementarity_method;
 mod declared;
-mod final_impact;
 mod final_time;
 #[path = "../../../solver/benches/homotopy.rs"]
 mod homotopy;

@@ -79,8 +79,9 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
     let ends = guessed_ends(interval, switches, &inside);
     let durations = durations(builder, interval, &ends);
     let intervals = builder.setting.problem.intervals;
-    let (elements, count) = (builder.elements[interval], ends.len());
-    let parts = [vec![0.0], builder.setting.ends(interval, elements)].concat();
+    let parts = builder.setting.ends(interval, builder.elements[interval]);
+    let (elements, count) = (parts.len(), ends.len());
+    let parts = [vec![0.0], parts].concat();
     let mut elapsed = Elapsed::none(builder.frame.horizon, intervals);
     let mut begin = 0.0;
     for (p, &end) in ends.iter().enumerate() {

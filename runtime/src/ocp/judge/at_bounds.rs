@@ -130,7 +130,8 @@ pub(super) fn at_bounds(
     ];
     let count = trajectory.controls.intervals();
     let mut found = AtBounds::default();
-    let mut differ = vec![Vec::new(); count];
+    let mut differ = Vec::new();
+    let mut intervals = vec![false; count];
     for (k, bound) in bounds.all.iter().enumerate() {
         if bounds.reads_forces(bound) {
             // Judged with the forces of the re-simulation.
@@ -142,23 +143,28 @@ pub(super) fn at_bounds(
         // What is far from a bound at all points is so between them.
         let near = size / POINTS as f64;
         let [simulated, planned] = motions.each_ref().map(|motion| motion.lows(k, count, near));
-        for ((simulated, planned), differ) in simulated.into_iter().zip(planned).zip(&mut differ) {
+        let mut differs = false;
+        for ((simulated, planned), interval) in
+            simulated.into_iter().zip(planned).zip(&mut intervals)
+        {
             if found.look(bound, (simulated, planned), agrees) {
-                differ.push((k, agrees));
+                (*interval, differs) = (true, true);
             }
         }
+        differ.extend(differs.then_some((k, agrees)));
     }
     if setting.places.bounds_at_nodes {
         // Between nodes they are not asked for.
         (found.violated, found.apart) = (None, None);
-    } else if differ.iter().any(|differ| !differ.is_empty()) {
+    } else if !differ.is_empty() {
         let follower = Follower {
             setting,
             bounds: &bounds,
             dense: &dense,
             steps: &steps,
+            differ: &differ,
         };
-        found.finer = follower.finer(elements, &motion, &differ);
+        found.finer = follower.finer(elements, &motion, &intervals);
     }
     found
 }

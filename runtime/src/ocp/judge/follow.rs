@@ -29,25 +29,26 @@ pub(super) struct Follower<'f> {
     pub(super) bounds: &'f Bounds<'f>,
     pub(super) dense: &'f Dense<'f>,
     pub(super) steps: &'f [Step],
+    /// The bounds at which a plan differs from it, and what agrees there.
+    pub(super) differ: &'f [(usize, f64)],
 }
 
 impl Follower<'_> {
-    /// The elements of each interval, so many now, halved where polynomials do not follow the re-simulation at the bounds at which a plan
-    /// differs from it there by more than agrees, or else all of them; none where there are too many already.
+    /// The elements of each interval, so many now, halved where polynomials do not follow the re-simulation at these bounds; all of them in
+    /// intervals in which the plan differs, if they do; none where there are too many already.
     pub(super) fn finer(
         &self,
         elements: &[usize],
         plan: &DenseMotion,
-        differ: &[Vec<(usize, f64)>],
+        differs: &[bool],
     ) -> Option<Mesh> {
         let mut refined = false;
-        let ends = differ.iter().zip(elements).enumerate();
-        let ends = ends.map(|(interval, (differ, &count))| {
+        let ends = differs.iter().zip(elements).enumerate();
+        let ends = ends.map(|(interval, (&differs, &count))| {
             let known = self.setting.ends(interval, count);
-            if differ.is_empty() || count >= MOST_ELEMENTS {
+            if count >= MOST_ELEMENTS {
                 return known;
             }
-            refined = true;
             let parts = plan.program.phases.iter().zip(&plan.solved);
             let parts = parts.filter(|(phase, _)| phase.interval == interval);
             let parts: Vec<_> = parts.map(|(_, solved)| solved).collect();
@@ -58,9 +59,10 @@ impl Follower<'_> {
             let phases: Vec<(f64, f64)> = phases.collect();
             let finer = halved(&known, &|share| {
                 let mut phases = phases.iter();
-                phases.all(|&phase| self.follows(phase, share, differ))
+                phases.all(|&phase| self.follows(phase, share))
             });
-            if finer.len() > count {
+            refined |= differs || finer.len() > count;
+            if finer.len() > count || !differs {
                 return finer;
             }
             let is_end = |share: f64| share == 0.0 || known.contains(&share);
@@ -82,12 +84,7 @@ impl Follower<'_> {
     }
 
     /// Whether the polynomials through the nodes of a share of a phase follow the re-simulation at those bounds.
-    fn follows(
-        &self,
-        (start, end): (f64, f64),
-        (from, to): (f64, f64),
-        differ: &[(usize, f64)],
-    ) -> bool {
+    fn follows(&self, (start, end): (f64, f64), (from, to): (f64, f64)) -> bool {
         let (steps, rounding) = (self.steps, ROUNDING * self.dense.horizon);
         let at = |theta: f64| {
             let time = start + (from + theta * (to - from)) * (end - start);
@@ -115,7 +112,7 @@ impl Follower<'_> {
                 slots.for_each(|(slot, value)| *slot += weight * value);
             }
             let [real, followed] = [real, followed].map(|x| self.bounds.values(x));
-            let mut differ = differ.iter();
+            let mut differ = self.differ.iter();
             differ.all(|&(k, agrees)| (real[k] - followed[k]).abs() <= AIM * agrees)
         })
     }

@@ -483,18 +483,26 @@ fn confirmed(
     let Some((aligned, stationarity, mut best)) = found else {
         return Ok(None);
     };
-    while best.status == Status::Unconfirmed && !runner.stopped() {
-        elements *= 2;
-        if elements > FINEST * runner.settings.elements {
+    for _ in 0..FINEST {
+        let mesh = best.finer.take();
+        if mesh.is_none() {
+            elements *= 2;
+        }
+        let enough = mesh.is_none() && best.status != Status::Unconfirmed;
+        if enough || runner.stopped() || elements > FINEST * runner.settings.elements {
             break;
         }
         let spans = aligned.spans(grid.setting, elements);
-        let Ok(local) = aligned.solved(runner, grid.setting, &spans)? else {
+        let setting = Setting {
+            mesh: mesh.as_deref(),
+            ..grid.setting
+        };
+        let Ok(local) = aligned.solved(runner, setting, &spans)? else {
             break;
         };
         let setting = Setting {
             lengths: Lengths::Phases(&spans),
-            ..grid.setting
+            ..setting
         };
         best = replayed(runner, setting, (local, stationarity), elements)?;
     }
@@ -509,7 +517,8 @@ fn replayed(
     elements: usize,
 ) -> Result<Solution, InputError> {
     let local = local.polished(runner);
-    let elements = vec![elements; setting.problem.intervals];
+    let intervals = 0..setting.problem.intervals;
+    let elements: Vec<usize> = intervals.map(|k| setting.ends(k, elements).len()).collect();
     let solution = confirm(runner, setting, &elements, &local, stationarity)?;
     // At an end of the final times that its program looks at a plan is no optimum: others lie beyond it.
     if setting.final_times().end_at(solution.horizon).is_some() {
