@@ -146,7 +146,11 @@ pub(crate) fn tables(
         );
     }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
-    text + &work(solution)
+    text += &work(solution);
+    for note in &motion.notes {
+        let _ = writeln!(text, "note          {note}");
+    }
+    text
 }
 
 /// How far the re-simulation is from the plan: at the end, and in the objective where that is seen.

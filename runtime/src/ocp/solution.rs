@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 use super::parameters::{FoundParameter, OptimumGradient};
 use super::previous::Previous;
 use crate::model::{Model, Pieces, contact_point};
-use crate::ocp::motion::control_grid::{ControlShape, signal};
+use crate::ocp::motion::control_grid::{ControlShape, Mesh, signal};
 use crate::refusal;
 use crate::simulation::{
     ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State, number,
@@ -212,6 +212,16 @@ pub struct Excess {
     pub time: f64,
 }
 
+impl Excess {
+    /// It in words.
+    pub(in crate::ocp) fn words(&self) -> String {
+        format!(
+            "`{}` is violated by {:.1e} {} at {:.6} s of the re-simulation",
+            self.name, self.amount, self.unit, self.time
+        )
+    }
+}
+
 /// A condition that a motion does not meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Miss {
@@ -319,17 +329,18 @@ pub struct Solution {
     pub(in crate::ocp) cost_departure: f64,
     /// The least distance, of all coordinates, that is let pass between plan and re-simulation.
     pub(in crate::ocp) let_pass: f64,
-    /// The first contact event in which plan and re-simulation differ, in words.
+    /// The first contact event or bound in which plan and re-simulation differ, in words.
     pub disagreement: Option<String>,
     /// Residuals of the plan: violation of its equations and bounds, gradient of the Lagrangian,
     /// and largest `min(gap, normal acceleration)`.
     pub residuals: Residuals,
     /// (time \[s\], kind, contact) of the switches of the plan; a closing counts as an impact.
     pub planned_events: Vec<(f64, EventKind, usize)>,
-    /// Largest violation of the bounds of each coordinate and of each path constraint along the whole plan, and of each condition on
-    /// forces or impulses by those of the re-simulation, where there is any; of the order of the tolerance unless bounds are asked
-    /// for at the nodes only, and of the order of the scheme for forces.
+    /// Largest violation of the bounds of each coordinate, of each path constraint and of each condition on forces or impulses along the
+    /// re-simulation, where there is any; no more than plan and re-simulation may differ unless bounds are asked for at the nodes only.
     pub excess: Vec<Excess>,
+    /// Elements in which plan and re-simulation agree better at bounds, where they differ there.
+    pub(in crate::ocp) finer: Option<Mesh>,
     /// Distances that hold the plan back, the dearest first.
     pub margins: Vec<Margin>,
     /// Controls of each interval, or at each node where they are linear in between.
@@ -440,6 +451,7 @@ impl Solution {
             planned_events: Vec::new(),
             margins: Vec::new(),
             excess: Vec::new(),
+            finer: None,
             controls: Vec::new(),
             control_times: Vec::new(),
             shape: ControlShape::default(),
@@ -457,6 +469,11 @@ impl Solution {
             optima: Vec::new(),
             improvements: Vec::new(),
         }
+    }
+
+    /// Whether its control intervals are divided among its phases instead of being of equal length.
+    pub(in crate::ocp) fn is_aligned(&self) -> bool {
+        self.previous.as_ref().is_some_and(Previous::is_aligned)
     }
 
     /// Whether the objective of the re-simulated motion is another one than that of the plan.
@@ -537,6 +554,12 @@ impl Solution {
                 let (name, cost) = margin.map_or(("", 0.0), |m| (&m.name[..], m.cost));
                 Some(format!(
                     "the {name} holds the plan back by about {cost:.1e}; choose another number of intervals"
+                ))
+            }
+            Status::Uncertified if self.disagreement.is_some() => {
+                let difference = self.disagreement.as_deref().unwrap_or_default();
+                Some(format!(
+                    "the elements of the plan are too coarse: {difference}; raise the number of stages or of intervals"
                 ))
             }
             Status::Uncertified => Some(format!(

@@ -3,8 +3,11 @@
 //!
 //! Uses [`search`](super::search) to attempt the same sequence again.
 
+mod at_bounds;
 pub(in crate::ocp) mod confirm;
+mod dense;
 mod disagreement;
+mod follow;
 mod forces;
 pub(in crate::ocp) mod gradient;
 mod margins;

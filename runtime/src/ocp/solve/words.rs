@@ -4,7 +4,7 @@ use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp;
 
-use super::optima::{Found, costs_the_same, rank, result, sort};
+use super::optima::{Found, costs_the_same, is_confirmed, rank, result, sort};
 use super::placing::{Begun, grids, on_grid};
 use super::run::{Begin, Task, demoted, failed, tableaus};
 use super::shared_observer::SharedObserver;
@@ -178,13 +178,13 @@ impl Search {
 
     /// Whether a motion is confirmed.
     fn is_confirmed(&self) -> bool {
-        self.found.iter().any(|found| rank(&found.solution).0 == 0)
+        self.found.iter().any(|found| is_confirmed(&found.solution))
     }
 
     /// The least objective of a motion that is confirmed.
     fn least(&self) -> Option<f64> {
         let found = self.found.iter().map(|found| &found.solution);
-        let confirmed = found.filter(|solution| rank(solution).0 == 0);
+        let confirmed = found.filter(|solution| is_confirmed(solution));
         confirmed
             .map(|solution| solution.objective)
             .min_by(f64::total_cmp)
@@ -394,7 +394,7 @@ impl Search {
             let enough = |best: &Solution| {
                 let same = (best.objective - before).abs() <= best.tolerated(OPTIMUM);
                 let open = best.status == Status::Uncertified && same;
-                rank(best).0 == 0 && best.objective <= before + best.tolerated(OPTIMUM) && !open
+                is_confirmed(best) && best.objective <= before + best.tolerated(OPTIMUM) && !open
             };
             if runner.stopped() || !improved && best.as_ref().is_some_and(enough) {
                 break;
@@ -445,10 +445,11 @@ impl Search {
             let Some(mut solution) = confirmed(runner, grid, aligned)? else {
                 continue;
             };
-            if rank(&solution).0 == 0 {
+            if is_confirmed(&solution) {
                 least = least.min(solution.objective);
             }
-            if let Some(motion) = solution.motion.as_mut().filter(|_| !only) {
+            let named = !only && solution.is_aligned();
+            if let Some(motion) = solution.motion.as_mut().filter(|_| named) {
                 motion.notes.push(ALIGNED.to_owned());
             }
             self.add(solution);
@@ -483,18 +484,26 @@ fn confirmed(
     let Some((aligned, stationarity, mut best)) = found else {
         return Ok(None);
     };
-    while best.status == Status::Unconfirmed && !runner.stopped() {
-        elements *= 2;
-        if elements > FINEST * runner.settings.elements {
+    for _ in 0..FINEST {
+        let mesh = best.finer.take();
+        if mesh.is_none() {
+            elements *= 2;
+        }
+        let enough = mesh.is_none() && best.status != Status::Unconfirmed;
+        if enough || runner.stopped() || elements > FINEST * runner.settings.elements {
             break;
         }
         let spans = aligned.spans(grid.setting, elements);
-        let Ok(local) = aligned.solved(runner, grid.setting, &spans)? else {
+        let setting = Setting {
+            mesh: mesh.as_deref(),
+            ..grid.setting
+        };
+        let Ok(local) = aligned.solved(runner, setting, &spans)? else {
             break;
         };
         let setting = Setting {
             lengths: Lengths::Phases(&spans),
-            ..grid.setting
+            ..setting
         };
         best = replayed(runner, setting, (local, stationarity), elements)?;
     }
@@ -509,7 +518,8 @@ fn replayed(
     elements: usize,
 ) -> Result<Solution, InputError> {
     let mut local = local.polished(runner);
-    let elements = vec![elements; setting.problem.intervals];
+    let intervals = 0..setting.problem.intervals;
+    let elements: Vec<usize> = intervals.map(|k| setting.ends(k, elements).len()).collect();
     let mut solution = confirm(runner, setting, &elements, &local, stationarity)?;
     solution.gradient = gradient(&mut local);
     // At an end of the final times that its program looks at a plan is no optimum: others lie beyond it.

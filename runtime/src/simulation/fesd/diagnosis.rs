@@ -11,7 +11,6 @@ use crate::simulation::problem::{
     leaps, negative_bound, not_finite_at, not_unique, second_order, unbounded, vanishing_inertia,
     zero_parameters,
 };
-use crate::simulation::watch::interrupted;
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 
 /// Switches while time nearly stands still before the contact mode counts as ambiguous. A ball that keeps all but a hundredth
