@@ -7,6 +7,7 @@ pub(in crate::ocp) mod confirm;
 mod disagreement;
 mod forces;
 mod gradient;
+pub(in crate::ocp) mod incumbent;
 mod margins;
 mod objective;
 mod refine_grid;
