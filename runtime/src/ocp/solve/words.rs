@@ -391,7 +391,7 @@ impl Search {
         }
     }
 
-    /// Without controls, where no plan on one interval comes to what the best word does: what words come to with intervals for each phase, on
+    /// Without controls, where no plan on one interval comes to what the best word does: what that word comes to with intervals for each phase, on
     /// which nothing has to be constant, and with twice as many.
     fn by_phases(&mut self, runner: &mut Runner, found: &OffGrid) -> Result<(), InputError> {
         let reaches = |solution: &Solution, bound: f64| {
@@ -416,7 +416,8 @@ impl Search {
             };
             let elements = vec![1; intervals];
             let finer = OffGrid { setting, ..*found };
-            self.aligned(runner, found.words, &finer.grids(&elements), false)?;
+            let best = found.words.get(..1).unwrap_or_default();
+            self.aligned(runner, best, &finer.grids(&elements), false)?;
             intervals *= FINER;
         }
         Ok(())
