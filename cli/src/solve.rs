@@ -17,7 +17,6 @@ use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::simulate::{digits, ranges};
 use crate::table::{counted, headed, residual_line, seconds, table};
-use crate::task::certificate;
 use crate::{Measure, Quantity};
 
 /// How the best motion became better over the CPU time of the search, if it did: a chart, as (name, chart).
@@ -114,7 +113,7 @@ pub(crate) fn tables(
     for gain in gains(chosen, &motion.trajectory) {
         let _ = writeln!(text, "gain          {gain}");
     }
-    let _ = writeln!(text, "stationarity  {}", certificate(solution.stationarity));
+    let _ = writeln!(text, "stationarity  {}", solution.certificate());
     let _ = writeln!(text, "re-simulated  {}", resimulated(solution));
     if let Some(finer) = method.finer(solution) {
         let _ = writeln!(text, "elements      {finer}");

@@ -408,7 +408,11 @@ class Solution(Run):
     improvements: List[Dict[str, Any]] = _must(
         "improvements", "The first motion that was confirmed, and every better one after it."
     )
-    starts: int = _must("starts", "Starts from which motions were looked for.")
+    starts: int = _must("starts", "Motions from which the best order of contacts was solved.")
+    bound: Optional[float] = _may(
+        "bound", "Least objective of an order of contacts that reaches the goals off the grid; ``None`` where none does."
+    )
+    words: Dict[str, int] = _must("words", "Orders of contacts: ``tried``, and ``failed`` ones, which are undecided.")
 
     @property
     def free(self) -> Dict[str, Dict[str, Any]]:

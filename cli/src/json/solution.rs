@@ -209,7 +209,11 @@ pub(crate) fn solution_document(
         .with("resimulation_error", solution.resimulation_error)
         // Objective of the re-simulated motion.
         .some("resimulated_objective", objective)
-        // Starts on grids.
+        // The least objective of an order of contacts that reaches the goals off the grid; null where none does.
+        .with("bound", solution.bound)
+        // Orders of contacts that were tried off the grid, and those that are undecided, as their programs have no solution.
+        .with("words", solution.words)
+        // Motions from which the best order of contacts was solved.
         .with("starts", solution.starts)
         // Controls: a row an interval, or a row a node where they are linear.
         .with("controls", &solution.controls)

@@ -10,6 +10,7 @@ use super::parameters::{FoundParameter, OptimumGradient};
 use super::previous::Previous;
 use crate::model::{Model, Pieces, contact_point};
 use crate::ocp::motion::control_grid::{ControlShape, Mesh, signal};
+use crate::ocp::tuning::on_grid::NEAR;
 use crate::refusal;
 use crate::simulation::{
     ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State, number,
@@ -134,10 +135,22 @@ pub struct Optimum {
     pub sources: Vec<Source>,
 }
 
+/// How many orders of contacts a search has tried off the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[non_exhaustive]
+pub struct WordCounts {
+    /// Orders whose programs were started.
+    pub tried: usize,
+    /// Those without a solution from any guess: whether they allow a motion, and how good a one, is undecided.
+    pub failed: usize,
+}
+
 /// Where a search looked for a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Source {
+    /// The simulated motion of the scene's guess, as it is or with its contact sequence solved.
+    Guess,
     /// Among words, orders of contact modes.
     Words,
     /// From a known motion, or a variant of the time-freezing formulation, from 0.
@@ -153,6 +166,7 @@ impl Serialize for Source {
 impl std::fmt::Display for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::Guess => f.write_str("guess"),
             Self::Words => f.write_str("words"),
             Self::Start(start) => write!(f, "start {start}"),
         }
@@ -373,6 +387,13 @@ pub struct Solution {
     pub previous: Option<Previous>,
     /// Motions from which the best order of contacts was solved; of the time-freezing formulation its variants.
     pub starts: usize,
+    /// The least objective of an order of contacts that reaches the goals off the grid, with controls that change at any time; to the
+    /// tolerance of words, a ten-thousandth. None where no order reaches them, or none was tried.
+    pub bound: Option<f64>,
+    /// Orders of contacts that were tried off the grid.
+    pub words: WordCounts,
+    /// Whether the motion is the simulated one of the scene's guess.
+    pub(in crate::ocp) is_guess: bool,
     /// The distinct local optima that the starts ended at, the best first.
     pub optima: Vec<Optimum>,
     /// The first motion that was confirmed and every better one after it, in order.
@@ -466,6 +487,9 @@ impl Solution {
             time_freezing: None,
             previous: None,
             starts: 0,
+            bound: None,
+            words: WordCounts::default(),
+            is_guess: false,
             optima: Vec::new(),
             improvements: Vec::new(),
         }
@@ -474,6 +498,33 @@ impl Solution {
     /// Whether its control intervals are divided among its phases instead of being of equal length.
     pub(in crate::ocp) fn is_aligned(&self) -> bool {
         self.previous.as_ref().is_some_and(Previous::is_aligned)
+    }
+
+    /// What is proved about the contact sequence, and where another one may be better: off the grid one is, by more than the grid is let cost,
+    /// or programs of others have no solution, which proves nothing about them.
+    #[must_use]
+    pub fn certificate(&self) -> String {
+        let name = self.stationarity.name();
+        let outdone = |bound: &f64| self.objective - bound > self.tolerated(NEAR);
+        if let Some(bound) = self.bound.filter(outdone) {
+            return format!(
+                "{name}, local; a better order may exist: {} off the grid, not found on these intervals; try another number of \
+                 intervals, or more starts",
+                number(bound)
+            );
+        }
+        let proof = match self.stationarity {
+            Stationarity::S => "a local optimum whose contact sequence has no neighbours",
+            Stationarity::B => {
+                "a local optimum, and no neighbouring contact sequence gives a better one"
+            }
+            Stationarity::None => "no proof that neighbouring contact sequences are no better",
+        };
+        let WordCounts { tried, failed } = self.words;
+        match failed {
+            0 => format!("{name}: {proof}"),
+            _ => format!("{name}: {proof}; {failed} of {tried} orders of contacts are undecided"),
+        }
     }
 
     /// Whether the objective of the re-simulated motion is another one than that of the plan.
@@ -556,6 +607,11 @@ impl Solution {
                     "the {name} holds the plan back by about {cost:.1e}; choose another number of intervals"
                 ))
             }
+            Status::Uncertified if self.is_guess => Some(
+                "no plan was found that is as good as the motion of the scene's own guess, which this is; try more starts or \
+                 another number of intervals"
+                    .to_owned(),
+            ),
             Status::Uncertified if self.disagreement.is_some() => {
                 let difference = self.disagreement.as_deref().unwrap_or_default();
                 Some(format!(

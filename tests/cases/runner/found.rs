@@ -328,6 +328,7 @@ fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
         "residuals.primal" => solution.residuals.primal,
         "residuals.complementarity" => solution.residuals.complementarity,
         "starts" => solution.starts as f64,
+        "bound" => return solution.bound,
         "counts.programs" => solution.counts.programs as f64,
         "counts.iterations" => solution.counts.iterations as f64,
         "counts.contact_implicit" => solution.counts.global_iterations as f64,

@@ -325,7 +325,7 @@ fn excess_of(plan: &Local, objective: f64) -> f64 {
 }
 
 /// The motion under the controls of a plan, and its objective beside that of the plan, at as many instants as tell it.
-fn resimulated(
+pub(super) fn resimulated(
     setting: Setting,
     trajectory: &Trajectory,
     (plan, tolerance): ((&Sequence, f64), f64),
@@ -387,13 +387,9 @@ pub(in crate::ocp) fn confirm(
         && cost_departure <= 1.0;
     let status = status_of(runner, agrees, stationarity);
     Ok(Solution {
-        status,
         objective: cost,
         objective_unit: unit,
         horizon: trajectory.horizon,
-        final_times: (f64::NAN, f64::NAN),
-        parameters: Vec::new(),
-        gradient: None,
         stationarity,
         resimulation_error: apart.distance,
         resimulation_velocity_error: apart.velocity,
@@ -401,7 +397,6 @@ pub(in crate::ocp) fn confirm(
         cost_departure,
         resimulated_objective: simulated,
         let_pass,
-        is_longest: false,
         disagreement: disagreement.or(at_bounds.apart),
         residuals: Residuals {
             primal: solution.residuals.primal,
@@ -418,16 +413,9 @@ pub(in crate::ocp) fn confirm(
         elements: elements.to_vec(),
         previous: Some(Previous::new(trajectory.clone(), sequence.clone())),
         motion: Some(replay),
-        violations: solution.violations.clone(),
-        least_time: None,
-        nearest: None,
         size: ProblemSize::of(&program.program, 0),
-        counts: runner.counts,
         seconds: runner.seconds,
-        time_freezing: None,
-        starts: 0,
-        optima: Vec::new(),
-        improvements: Vec::new(),
+        ..Solution::without_motion(status, solution.violations.clone(), runner.counts)
     })
 }
 

@@ -10,6 +10,7 @@ mod disagreement;
 mod follow;
 mod forces;
 pub(in crate::ocp) mod gradient;
+pub(in crate::ocp) mod incumbent;
 mod margins;
 mod objective;
 mod refine_grid;

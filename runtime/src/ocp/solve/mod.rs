@@ -2,6 +2,7 @@
 //! lie. The top of the layers; nothing else knows it.
 
 mod freezing;
+mod guessed;
 mod impossible;
 mod known;
 mod nearest;
@@ -97,11 +98,15 @@ fn solve_consistent(
         return Err(refusal::unsupported(what, "take an equal one"));
     }
     let problem = &problem.on_the_ground(model);
+    let guessed = guessed::guessed((model, problem, settings), observer)?;
     let hasty = waiting::hasty(model, problem, settings);
     let with = hasty.as_ref().unwrap_or(settings);
     let mut solution = searched::searched(model, problem, with, observer)?;
     if hasty.is_some() || waiting::ends_at_rest(model, problem, settings, &solution) {
         solution = waiting::shortest(model, problem, settings, observer, solution)?;
+    }
+    if let Some(guessed) = guessed {
+        solution = guessed::no_worse((model, problem, settings), observer, solution, guessed)?;
     }
     if matches!(solution.status, Status::NotFound | Status::Failed(_)) && solution.motion.is_none()
     {

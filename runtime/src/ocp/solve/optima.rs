@@ -151,7 +151,7 @@ fn optima(best: &Found, seen: Vec<Found>) -> Vec<Optimum> {
         } = found;
         let starts = match source {
             Source::Start(start) => vec![start],
-            Source::Words => Vec::new(),
+            Source::Guess | Source::Words => Vec::new(),
         };
         if solution.motion.is_none() || rank(&solution).0 == 3 {
             continue;

@@ -25,12 +25,12 @@ use crate::ocp::search::attempt::Local;
 use crate::ocp::search::readings::Readings;
 use crate::ocp::search::sampled::drawing_range;
 use crate::ocp::settings::{ControlNodes, Guess, Settings};
-use crate::ocp::solution::{Solution, Source, Status};
+use crate::ocp::solution::{Solution, Source, Status, WordCounts};
 use crate::ocp::tuning::beginnings::TURNS;
 use crate::ocp::tuning::equal::{MOTION, OPTIMUM};
 use crate::ocp::tuning::grids::{ELEMENTS_OF_ONE, FINER, KEPT};
 use crate::ocp::tuning::off_grid::STAGES;
-use crate::ocp::tuning::on_grid::{BEYOND, FINEST, PLACED, SIMULATED};
+use crate::ocp::tuning::on_grid::{BEYOND, FINEST, NEAR, PLACED, SIMULATED};
 use crate::ocp::words::aligned::{Aligned, followed};
 use crate::ocp::words::beginnings::beginnings;
 use crate::ocp::words::off_grid::{Goals, Timed};
@@ -91,6 +91,8 @@ pub(super) fn solve(
     sort(&mut search.found);
     let mut solution = Solution {
         starts: search.starts,
+        bound: search.bound,
+        words: search.words,
         ..result(search.found, search.seen, work, observer.stopped())
     };
     if !driven {
@@ -146,8 +148,11 @@ struct Search {
     found: Vec<Found>,
     /// On all of them.
     seen: Vec<Found>,
-    /// Guesses of the best word.
+    /// Guesses of the best word, and the words that were tried.
     starts: usize,
+    words: WordCounts,
+    /// The least merit of a word that meets its goals.
+    bound: Option<f64>,
     /// Final times that were looked at.
     final_times: (f64, f64),
 }
@@ -159,6 +164,8 @@ impl Search {
             found: Vec::new(),
             seen: Vec::new(),
             starts: 0,
+            words: WordCounts::default(),
+            bound: None,
             final_times: (f64::NAN, f64::NAN),
         }
     }
@@ -276,8 +283,10 @@ impl Search {
             let (begun, goals) = beginnings(runner, (setting, &guessed), (&range, turn))?;
             let with = (begun.library, goals);
             let words = Words::new(setting, (&coarse, settings), &guessed, with);
-            let (words, goals, starts) = words.run(runner, &begun.words);
+            let (words, goals, counts, starts) = words.run(runner, &begun.words);
             self.starts += starts;
+            self.words.tried += counts.tried;
+            self.words.failed += counts.failed;
             turn += 1;
             let known = matches!(settings.guess, Guess::Previous(_));
             let draws = !known && turn < TURNS && settings.uses("redraw") && !runner.stopped();
@@ -285,6 +294,8 @@ impl Search {
                 break (words, goals, begun.motions);
             }
         };
+        let reached = words.iter().filter(|word| word.meets());
+        self.bound = reached.map(Timed::merit).reduce(f64::min);
         let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
         let units: Vec<Units> = words.iter().map(own).collect();
         for (index, task) in tasks.iter().enumerate() {
@@ -360,6 +371,9 @@ impl Search {
             runner.effort = Effort::Quick;
             let plans = on_grid(runner, found.words, &grids)?;
             let refuted = self.decided(task, runner, (plans.begun, count))?;
+            if task.model.declaration().controls.is_empty() {
+                self.by_phases(runner, found)?;
+            }
             // What finer elements do not change is not for want of them.
             let best = self.least();
             let coarse =
@@ -376,6 +390,38 @@ impl Search {
             }
             factor *= FINER;
         }
+    }
+
+    /// Without controls, where no plan on one interval comes to what the best word does: what that word comes to with intervals for each phase, on
+    /// which nothing has to be constant, and with twice as many.
+    fn by_phases(&mut self, runner: &mut Runner, found: &OffGrid) -> Result<(), InputError> {
+        let reaches = |solution: &Solution, bound: f64| {
+            rank(solution).0 == 0 && solution.objective <= bound + solution.tolerated(NEAR)
+        };
+        let phases = found.words.iter().map(Timed::phases);
+        let mut intervals = phases.fold(ELEMENTS_OF_ONE, usize::max);
+        let most = FINER * intervals;
+        while intervals <= most && !runner.stopped() {
+            let mut plans = self.found.iter().map(|found| &found.solution);
+            let bound = self.bound;
+            if bound.is_none_or(|bound| plans.any(|plan| reaches(plan, bound))) {
+                break;
+            }
+            let problem = Problem {
+                intervals,
+                ..found.setting.problem.clone()
+            };
+            let setting = Setting {
+                problem: &problem,
+                ..found.setting
+            };
+            let elements = vec![1; intervals];
+            let finer = OffGrid { setting, ..*found };
+            let best = found.words.get(..1).unwrap_or_default();
+            self.aligned(runner, best, &finer.grids(&elements), false)?;
+            intervals *= FINER;
+        }
+        Ok(())
     }
 
     /// The best candidate with its neighbours decided; those after it where it is not confirmed, or not proved and the next one costs the
@@ -448,7 +494,8 @@ impl Search {
             if is_confirmed(&solution) {
                 least = least.min(solution.objective);
             }
-            let named = !only && solution.is_aligned();
+            let driven = !grid.setting.model.declaration().controls.is_empty();
+            let named = driven && !only && solution.is_aligned();
             if let Some(motion) = solution.motion.as_mut().filter(|_| named) {
                 motion.notes.push(ALIGNED.to_owned());
             }
