@@ -114,6 +114,11 @@ impl ContactSize {
         (TOUCHING_VELOCITY * self.sliding).max(COLLECTED * self.gained_sliding)
     }
 
+    /// Sliding velocity, or function of a condition, that does not vanish where its sign changes.
+    pub(crate) fn leapt_rest(self) -> f64 {
+        TOUCHING_VELOCITY * self.sliding
+    }
+
     /// Sliding velocity that counts as rest.
     pub(crate) fn at_rest(self) -> f64 {
         (AT_REST * self.sliding).max(COLLECTED * self.gained_sliding)
