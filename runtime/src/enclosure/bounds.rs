@@ -281,15 +281,19 @@ impl<'a> Bounds<'a> {
     }
 }
 
-/// How many factors that vary an operation is a product of, by those of its operands `at` their places.
+/// How many equal factors that vary an operation is a product of, by those of its operands `at` their places: one more where they may be
+/// others.
 fn factors(operation: Operation, at: impl Fn(u32) -> f64) -> f64 {
     match operation {
         Operation::Given(Source::Parameter(_) | Source::Constant(_)) => 0.0,
         Operation::Given(Source::Input(_) | Source::Weight(_)) => 1.0,
-        Operation::Add(a, b) | Operation::Subtract(a, b) => at(a).max(at(b)),
-        Operation::Multiply(a, b) | Operation::Divide(a, b) | Operation::Call2(_, a, b) => {
-            at(a) + at(b)
-        }
+        Operation::Multiply(a, b) if a == b => 2.0 * at(a),
+        Operation::Multiply(a, b) if at(a) > 0.0 && at(b) > 0.0 => at(a).max(at(b)) + 1.0,
+        Operation::Add(a, b)
+        | Operation::Subtract(a, b)
+        | Operation::Multiply(a, b)
+        | Operation::Divide(a, b)
+        | Operation::Call2(_, a, b) => at(a).max(at(b)),
         Operation::Negate(a) | Operation::Root(a) | Operation::Call(_, a) => at(a),
     }
 }

@@ -104,6 +104,11 @@ impl ContactSize {
         zero.max(self.unresolved)
     }
 
+    /// Size of the sliding velocity, or of the function of a switch.
+    pub(crate) fn sliding_speed(self) -> f64 {
+        self.sliding
+    }
+
     /// Rounding error of the sliding velocity.
     pub(crate) fn sliding_rounding(self) -> f64 {
         ROUNDING * (self.sliding + self.gained_sliding)
@@ -112,11 +117,6 @@ impl ContactSize {
     /// Sliding velocity beyond rest that another switch explains; larger ones are switches of their own.
     pub(crate) fn crossed_rest(self) -> f64 {
         (TOUCHING_VELOCITY * self.sliding).max(COLLECTED * self.gained_sliding)
-    }
-
-    /// Sliding velocity, or function of a condition, that does not vanish where its sign changes.
-    pub(crate) fn leapt_rest(self) -> f64 {
-        TOUCHING_VELOCITY * self.sliding
     }
 
     /// Sliding velocity that counts as rest.

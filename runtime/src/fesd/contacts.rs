@@ -14,7 +14,7 @@ use crate::contact::{ActiveContact, View, sum_of_sizes, tangents};
 use crate::linalg::banded::{Banded, Unfactorized};
 use crate::linalg::dense;
 use crate::model::rounding::rounding_error_at_start;
-use crate::model::{Model, is_beside_pole, switching_terms};
+use crate::model::{Model, switching_terms};
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
 /// contact: the friction presses as much as the force lifts.
@@ -221,11 +221,7 @@ impl<'a> Contacts<'a> {
     /// the motion. States that are only tried may be far beyond it.
     pub(crate) fn remember_sizes(&mut self, x: &[f64], contacts: impl IntoIterator<Item = usize>) {
         for i in contacts {
-            let mut size = self.size_at(x, i);
-            let (value, so_far) = (self.sliding_velocity(i), self.sizes[i].sliding);
-            if self.switch_of(i).is_some() && is_beside_pole(value, size.sliding, so_far) {
-                size.sliding = so_far;
-            }
+            let size = self.size_at(x, i);
             self.sizes[i].include(size);
         }
     }
@@ -246,8 +242,7 @@ impl<'a> Contacts<'a> {
     pub(crate) fn remember_scales(&mut self, contacts: impl IntoIterator<Item = usize>) {
         for i in contacts {
             self.scales[i] = self.phi_scale(i);
-            // A value that is larger than what is remembered is that of a condition beside a pole.
-            if self.has_friction(i) && self.sliding_velocity(i).abs() <= self.sizes[i].sliding {
+            if self.has_friction(i) {
                 self.tangent_scales[i] = self.tangent_terms(i);
             }
         }

@@ -63,7 +63,7 @@ pub(crate) use frame::{Frame, pair_size};
 pub(crate) use loads::Loads;
 pub(crate) use pieces::{Pieces, edge};
 pub(crate) use space::Space;
-pub(crate) use switching::{is_beside_pole, terms as switching_terms};
+pub(crate) use switching::terms as switching_terms;
 
 pub use hangtime_dsl::declaration::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Epigraph, Equation,

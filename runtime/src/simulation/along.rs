@@ -10,9 +10,6 @@ pub(super) const LEAST_LEAP: f64 = 1e-6;
 /// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
 /// without passing zero.
 pub(super) const LEAPS: f64 = 1e-3;
-/// Share of the time by which a condition is behind a pole where it is taken up again: a value like `1/d` is told there from the rounding
-/// of rates like `1/d^2`.
-pub(super) const BEHIND: f64 = 1e-10;
 /// Share of the terms of a gap that is rounding error.
 const ROUNDING: f64 = 1e-12;
 /// Halvings of the way between two places to where a gap closes.

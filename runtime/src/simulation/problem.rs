@@ -542,6 +542,14 @@ pub(crate) fn leaps(name: &str) -> String {
     )
 }
 
+/// What is wrong where a condition changes at a pole of its function.
+pub(crate) fn has_pole(name: &str) -> String {
+    format!(
+        "the function of the condition `{name}` changes its sign through infinity, where neither side is told from rounding; write the \
+         condition with a function that has no pole"
+    )
+}
+
 /// What is wrong where the bound of a dry friction falls below zero.
 pub(crate) fn negative_bound(name: &str) -> String {
     format!(

@@ -529,18 +529,12 @@ impl<'a> Integration<'a> {
             }
             _ => (None, None),
         };
-        // Behind a pole the function of a condition is not zero.
-        let leaps = condition.is_some_and(|i| {
-            let (dynamics, value) = (&self.dynamics, self.dynamics.sliding_velocity(i).abs());
-            dynamics.switch_of(i).is_some() && value > switching::held_velocity(dynamics, i)
-        });
         let mut here = self.here();
         let value = condition.map(|contact| resets::function(&mut here, contact));
         let mut set = resets::set(&mut here, located);
         // Where a condition reads nothing that was set its function vanishes as before, however far rounding has left it from zero.
         let now = condition.map(|contact| resets::function(&mut here, contact));
-        let stays = set.is_empty() || value.is_some() && now == value;
-        let vanished = vanished.filter(|_| stays && !leaps);
+        let vanished = vanished.filter(|_| set.is_empty() || value.is_some() && now == value);
         let (mut impact, mut resting) = self.impact(vanished)?;
         if !impact.struck.is_empty() {
             set.extend(resets::set(&mut self.here(), None));

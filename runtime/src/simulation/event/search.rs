@@ -8,7 +8,7 @@ use crate::enclosure::{
     Along, Bracket, Fall, Form, Interpolated, Sample, Suspect, Watched, earliest_fall, refine,
 };
 use crate::model::{Explicit, contact_point};
-use crate::simulation::along::{BEHIND, LEAPS};
+use crate::simulation::along::LEAPS;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 
@@ -232,19 +232,10 @@ impl<'a> EventSearch<'a> {
                         Switch::Gap(_) if left.value > zero => LEAPS * largest,
                         _ => largest,
                     };
-                    let contact = dynamics.switch(function).contact();
-                    let value = self.root_value.abs();
-                    let passes = dynamics.switch_of(contact).is_some();
-                    // A condition is another one behind a pole.
-                    if passes && value > switching::held_velocity(dynamics, contact) {
-                        let h = h + BEHIND * (step.t + h);
-                        self.stepped(dynamics, method, step, function, h);
-                        return Outcome::Event(Found { function, h });
-                    }
-                    return if passes || value <= kept.max(zero) {
-                        Outcome::Event(Found { function, h })
-                    } else {
+                    return if self.root_value.abs() > kept.max(zero) {
                         Outcome::Pole(Found { function, h })
+                    } else {
+                        Outcome::Event(Found { function, h })
                     };
                 }
                 Err(value) => {

@@ -5,7 +5,7 @@ use super::stop::Stop;
 use super::switch::{Function, Switch, SwitchKind};
 use crate::contact::ActiveContact;
 use crate::fesd::finite_element::newton;
-use crate::simulation::along::{BEHIND, LEAPS, LEAST_LEAP};
+use crate::simulation::along::{LEAPS, LEAST_LEAP};
 
 /// Size of a force that changes its sign, relative to its terms, above which it does so through infinity.
 const POLE: f64 = 1e-3;
@@ -163,21 +163,13 @@ fn locate_one(
             }
             match switch.function.kind {
                 // Beside a pole steps are short: where it is, and whether there is another side, halves tell.
-                SwitchKind::Entry if !closed => {
+                SwitchKind::Entry | SwitchKind::Stopping if !closed => {
                     length = 0.5 * (before + after);
                     continue;
                 }
-                // A condition is another one behind a pole or a jump.
-                SwitchKind::Stopping => {
-                    let behind = BEHIND * (begin / count as f64 + after);
-                    if after - before > behind {
-                        length = 0.5 * (before + after);
-                        continue;
-                    }
-                    switch_condition(driver, switch.function, after + behind, count)?;
-                    return Ok(());
-                }
-                SwitchKind::Entry if passed => {
+                kind @ (SwitchKind::Entry | SwitchKind::Stopping)
+                    if passed || kind == SwitchKind::Stopping =>
+                {
                     let time = begin + length * count as f64;
                     return Err(Stop::Leap(switch.function.contact, time));
                 }
@@ -211,12 +203,12 @@ fn leaps(
             let least = least.max(LEAST_LEAP * extent(&driver.now.x, longest));
             value.abs() > least.max(LEAPS * largest)
         }
-        SwitchKind::Stopping => {
-            let condition = driver.now.contacts.switch_of(function.contact).is_some();
-            condition && value.abs() > driver.now.size(function.contact).leapt_rest()
+        // Where a condition jumps it is another one; beside a pole its function is more than ever.
+        SwitchKind::Stopping if driver.now.contacts.switch_of(function.contact).is_some() => {
+            value.abs() > driver.now.size(function.contact).sliding_speed()
         }
         // After a release the condition is a velocity, which may jump.
-        SwitchKind::Entry | SwitchKind::Reentry => false,
+        SwitchKind::Entry | SwitchKind::Reentry | SwitchKind::Stopping => false,
     }
 }
 

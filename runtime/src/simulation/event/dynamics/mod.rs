@@ -25,8 +25,8 @@ use crate::enclosure::Bounds;
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, contact_point, friction_share, is_beside_pole, pair_size, surfaces,
-    switching_terms, tangent_point,
+    ControlPiece, Model, contact_point, friction_share, pair_size, surfaces, switching_terms,
+    tangent_point,
 };
 use crate::simulation::near::Near;
 use crate::simulation::{
@@ -372,18 +372,13 @@ impl<'a> Dynamics<'a> {
         for slot in 0..self.near.contacts().len() {
             let i = self.near.contacts()[slot];
             self.evaluate_sides(i);
-            let terms = switching_terms(self.model, i, &self.x);
-            let so_far = self.scales[i].sliding_velocity();
-            let beside_pole = is_beside_pole(self.sliding_velocity(i), terms, so_far);
-            let view = &self.view;
-            let rubs = view.has_friction(i) && !beside_pole;
+            let (view, rubs) = (&self.view, self.view.has_friction(i));
             let friction = rubs.then(|| (view.tangent_point(i), view.friction(i)));
             let instant = Instant::new(&y[..2 * n], view.free_acceleration(), moment);
             let time = if self.explicit_time { t } else { 0.0 };
             self.scales[i].observe(view.point(i), friction, instant.at(time));
-            if !beside_pole {
-                self.scales[i].observe_switch(terms);
-            }
+            let terms = switching_terms(self.model, i, &self.x);
+            self.scales[i].observe_switch(terms);
             if self.is_in_space(i) {
                 let speed = pair_size(self.sliding(i));
                 let scale = &mut self.scales[i];
