@@ -542,11 +542,11 @@ pub(crate) fn leaps(name: &str) -> String {
     )
 }
 
-/// What is wrong where a condition changes at a pole of its function.
+/// What is wrong where a condition changes at a pole or a jump of its function.
 pub(crate) fn has_pole(name: &str) -> String {
     format!(
-        "the function of the condition `{name}` changes its sign through infinity, where neither side is told from rounding; write the \
-         condition with a function that has no pole"
+        "the function of the condition `{name}` changes its sign without passing zero, through infinity or by a jump, where neither side \
+         is told from rounding; write the condition with a function that is continuous"
     )
 }
 
