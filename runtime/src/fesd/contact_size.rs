@@ -110,6 +110,11 @@ impl ContactSize {
         zero.max(self.unresolved)
     }
 
+    /// Size of the sliding velocity, or of the function of a switch.
+    pub(crate) fn sliding_speed(self) -> f64 {
+        self.sliding
+    }
+
     /// Rounding error of the sliding velocity.
     pub(crate) fn sliding_rounding(self) -> f64 {
         ROUNDING * (self.sliding + self.gained_sliding)

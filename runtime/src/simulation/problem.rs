@@ -547,6 +547,14 @@ pub(crate) fn leaps(name: &str) -> String {
     )
 }
 
+/// What is wrong where a condition changes at a pole or a jump of its function.
+pub(crate) fn has_pole(name: &str) -> String {
+    format!(
+        "the function of the condition `{name}` changes its sign without passing zero, through infinity or by a jump, where neither side \
+         is told from rounding; write the condition with a function that is continuous"
+    )
+}
+
 /// What is wrong where the bound of a dry friction falls below zero.
 pub(crate) fn negative_bound(name: &str) -> String {
     format!(

@@ -8,8 +8,8 @@ use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::run::resets;
 use crate::simulation::problem::{
-    leaps, negative_bound, not_finite_at, not_unique, second_order, unbounded, vanishing_inertia,
-    zero_parameters,
+    has_pole, leaps, negative_bound, not_finite_at, not_unique, second_order, unbounded,
+    vanishing_inertia, zero_parameters,
 };
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 
@@ -282,7 +282,10 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
             time,
             step,
             contact: Some(contact),
-            message: leaps(driver.setup.name(contact)),
+            message: match driver.now.contacts.switch_of(contact) {
+                None => leaps(driver.setup.name(contact)),
+                Some(_) => has_pole(driver.setup.name(contact)),
+            },
         }),
         Stop::Unresolved => failed("a gap varies too fast for the elements; take more steps"),
         Stop::Location => failed("a switch could not be located; take more steps"),

@@ -163,11 +163,13 @@ fn locate_one(
             }
             match switch.function.kind {
                 // Beside a pole steps are short: where it is, and whether there is another side, halves tell.
-                SwitchKind::Entry if !closed => {
+                SwitchKind::Entry | SwitchKind::Stopping if !closed => {
                     length = 0.5 * (before + after);
                     continue;
                 }
-                SwitchKind::Entry if passed => {
+                kind @ (SwitchKind::Entry | SwitchKind::Stopping)
+                    if passed || kind == SwitchKind::Stopping =>
+                {
                     let time = begin + length * count as f64;
                     return Err(Stop::Leap(switch.function.contact, time));
                 }
@@ -200,6 +202,10 @@ fn leaps(
             let least = driver.now.size(function.contact).touching_gap();
             let least = least.max(LEAST_LEAP * extent(&driver.now.x, longest));
             value.abs() > least.max(LEAPS * largest)
+        }
+        // Where a condition jumps it is another one; beside a pole its function is more than ever.
+        SwitchKind::Stopping if driver.now.contacts.switch_of(function.contact).is_some() => {
+            value.abs() > driver.now.size(function.contact).sliding_speed()
         }
         // After a release the condition is a velocity, which may jump.
         SwitchKind::Entry | SwitchKind::Reentry | SwitchKind::Stopping => false,
