@@ -16,7 +16,6 @@ use arrows::{Arrows, Finding, Order, circles};
 use modules::Modules;
 
 mod arrows;
-mod constants;
 mod lengths;
 mod modules;
 mod packages;
@@ -201,51 +200,6 @@ fn planted_long_functions_and_structs_are_found() {
     assert_eq!((found(&function(80)), found(&function(81))), (0, 1));
     assert_eq!((found(&record(15, "")), found(&record(16, ""))), (0, 1));
     assert_eq!(found(&record(16, "// Many fields: a form.\n")), 0);
-}
-
-/// The folders that look for motions, and the file with their constants.
-const SEARCHES: [&str; 4] = ["words", "search", "solve", "global"];
-const TUNING: &str = "runtime/src/ocp/tuning.rs";
-/// How many constants steer the search.
-const CONSTANTS: usize = 175;
-
-#[test]
-fn constants_of_the_search_stand_in_one_file_and_are_counted() {
-    let mut files = Vec::new();
-    for folder in SEARCHES {
-        sources(&Path::new("runtime/src/ocp").join(folder), &mut files);
-    }
-    assert!(files.len() > 40, "{} files are read", files.len());
-    assert_none(files.iter().flat_map(|file| {
-        let source = fs::read_to_string(workspace().join(file)).expect("a readable file");
-        constants::elsewhere(file, &source)
-    }));
-    let tuning = fs::read_to_string(workspace().join(TUNING)).expect("a readable file");
-    assert_eq!(
-        constants::count(&tuning),
-        CONSTANTS,
-        "the constants of {TUNING}: one that is added says in `docs/experiments/words.md` what is worse without it"
-    );
-}
-
-#[test]
-fn planted_constants_of_the_search_are_found() {
-    let found = |source: &str| constants::elsewhere(Path::new("a.rs"), source).len();
-    assert_eq!(found("const A: f64 = 1e-3;\n"), 2);
-    assert_eq!(found("    pub(super) const A: [usize; 2] = [4, 3];\n"), 1);
-    assert_eq!(found("const A: usize = B + 1;\n"), 1);
-    assert_eq!(found("const A: [&str; 2] = [\"a\", \"b\"];\n"), 0);
-    assert_eq!(
-        found("fn f(x: f64) -> f64 {\n    0.5 * x + 0.03 * x\n}\n"),
-        1
-    );
-    assert_eq!(
-        found("// 0.03\nfn f() {}\n#[cfg(test)]\nmod tests { const A: f64 = 0.03; }\n"),
-        0
-    );
-    assert_eq!(found("const fn f(x: usize) -> usize {\n    x + 1\n}\n"), 0);
-    let two = "/// One.\npub(in crate::ocp) const A: f64 = 1.0;\npub(in crate::ocp) const B: [f64; 2] =\n    [1.0, 2.0];\n";
-    assert_eq!(constants::count(two), 2);
 }
 
 #[test]

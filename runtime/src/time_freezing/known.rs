@@ -269,11 +269,11 @@ mod tests {
         let corrected = program.elements.iter().map(|e| e.corrections.len());
         assert_eq!(corrected.collect::<Vec<_>>(), [0, 0, 0, 1, 1]);
         assert_eq!(
-            program.variable_name(program.elements[3].sums - 1),
+            program.program.variable_name(program.elements[3].sums - 1),
             "correction along floor at stage 1 of element 3 of interval 0, 0.0000 to 0.2000 s"
         );
         assert_eq!(
-            program.variable_name(length(3)),
+            program.program.variable_name(length(3)),
             "length of element 3 of interval 0, 0.0000 to 0.2000 s"
         );
         let worst = worst_derivative(&mut program);

@@ -75,7 +75,8 @@ fn program<'a>(
 }
 
 /// The largest error of a derivative at a point off every bound and symmetry.
-pub(super) fn worst_derivative(program: &mut Transcription<'_>) -> f64 {
+pub(super) fn worst_derivative(transcription: &mut Transcription<'_>) -> f64 {
+    let program = &mut transcription.program;
     let mut x = vec![0.0; program.variables()];
     program.initial_point(&mut x);
     for (i, value) in x.iter_mut().enumerate() {
@@ -114,7 +115,7 @@ fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
 fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
     let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
     let sizes = |model: &dyn Model| {
-        let program = program(model, &tableau, Unknown::Nothing, 3);
+        let program = program(model, &tableau, Unknown::Nothing, 3).program;
         let (mut lower, mut upper) = (
             vec![0.0; program.variables()],
             vec![0.0; program.variables()],
@@ -156,7 +157,7 @@ fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
 fn joints_stand_in_the_place_of_rows_of_collocation() {
     let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
     let bead = HeldBead::default();
-    let program = program(&bead, &tableau, Unknown::Nothing, 3);
+    let program = program(&bead, &tableau, Unknown::Nothing, 3).program;
     let names: Vec<String> = (0..program.constraints())
         .map(|row| program.constraint_name(row))
         .collect();

@@ -1,5 +1,7 @@
 //! The variables of a time-freezing system on a grid, and what is read off them.
 
+use hangtime_solver::mpcc::Mpcc as _;
+
 use super::field::Field;
 use super::laid_out;
 use super::layout::{Group, SLIP_MINUS, SLIP_PLUS};
@@ -681,5 +683,20 @@ impl<'a> Transcription<'a> {
             return 0.5;
         }
         x[self.elements[e].sums + SUMS * contact] / self.tableau.stages() as f64
+    }
+
+    /// Name of a complementarity pair: what complements each other, and where.
+    pub(crate) fn complementarity_name(&self, index: usize) -> String {
+        let (i, j) = self.program.complementarities()[index];
+        let [first, second] = [i, j].map(|i| {
+            let name = self.program.name(i);
+            name.strip_prefix("sum of ").unwrap_or(name)
+        });
+        match (first.split_once(' '), second.split_once(' ')) {
+            (Some((one, place)), Some((other, same))) if place == same => {
+                format!("{one} _|_ {other} {place}")
+            }
+            _ => format!("{first} _|_ {second}"),
+        }
     }
 }
