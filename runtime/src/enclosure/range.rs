@@ -180,8 +180,11 @@ impl Range {
         match function {
             Function::Sin => self.wave(FRAC_PI_2, f64::sin),
             Function::Cos => self.wave(0.0, f64::cos),
-            Function::Tan if !self.width().is_finite() || self.meets(FRAC_PI_2, PI) => Self::ALL,
-            Function::Tan => self.monotone(f64::tan),
+            // It only rises but for its poles.
+            Function::Tan if self.width() < PI && self.low.tan() <= self.high.tan() => {
+                self.monotone(f64::tan)
+            }
+            Function::Tan => Self::ALL,
             Function::Asin => self.inside(-1.0, 1.0, f64::asin),
             Function::Acos => self.inside(-1.0, 1.0, f64::acos),
             Function::Atan => self.monotone(f64::atan),
