@@ -240,7 +240,6 @@ mod tests {
         assert_eq!(near.contacts(), [5]);
         assert_eq!(look(&mut near, &[1.0, 0.1, 1.0, 1.0])[..1], [(2, true)]);
         assert_eq!(near.contacts(), [0, 1, 4, 5]);
-        assert_eq!(near.forget(), [2, 3]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::prelude::*;
-use hangtime::simulation::{InitialValueProblem, Simulator, StepFormulation};
+use hangtime::simulation::{InitialValueProblem, Simulator};
 
 hangtime::model! {
     /// A mass on a spring.

@@ -6,7 +6,7 @@ use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::{Model, tangent_point};
 use hangtime::simulation::{
     ContactMode, ControlSignal, Direction, EventDriven, EventKind, Fesd, InitialValueProblem,
-    Simulation, SimulationStatus, Simulator, StepFormulation,
+    Simulation, SimulationStatus, Simulator,
 };
 
 hangtime::model! {

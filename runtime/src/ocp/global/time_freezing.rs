@@ -148,8 +148,9 @@ impl<'a> TimeFreezing<'a> {
     #[cfg(test)]
     fn numerical_lengths(&self, x: &[f64]) -> Vec<f64> {
         let program = &self.transcription;
-        (0..program.elements())
-            .map(|e| program.numerical_length(x, e))
+        let lengths = program.elements.iter();
+        lengths
+            .map(|e| x[e.length] * x[program.intervals[e.interval].length])
             .collect()
     }
 
