@@ -332,8 +332,12 @@ fn finish(
     dynamics.extend(optimal_control.iter().flat_map(along_the_way));
     moves?;
     let given = [&dynamics[..], &forces, &start.0, &start.1].concat();
-    let task = optimal_control.as_ref();
-    free_parameters(&mut checker, given, &contacts, (task, &experiments));
+    free_parameters(
+        &mut checker,
+        given,
+        &contacts,
+        (optimal_control.as_ref(), &experiments),
+    );
     outputs::finish(&mut checker, &contacts);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);

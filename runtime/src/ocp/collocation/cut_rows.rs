@@ -45,14 +45,8 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &mut Phase) {
             }
             CutKind::Approach(contact) => {
                 let name = format!("approach to `{}` {at}", declaration.contacts[contact].name);
-                moves(
-                    builder,
-                    phase,
-                    contact,
-                    &weights,
-                    name,
-                    (f64::NEG_INFINITY, 0.0),
-                );
+                let below = (f64::NEG_INFINITY, 0.0);
+                moves(builder, phase, contact, &weights, name, below);
             }
             CutKind::Gap(contact, margin) => {
                 let contact = phase.pieces.acting(contact);
