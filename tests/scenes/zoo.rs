@@ -19,7 +19,7 @@ fn solve(name: &str, intervals: usize, settings: &Settings) -> Solution {
 }
 
 /// What a scene costs that is left to itself for the time that it declares, with a running cost to a thousandth; none where it misses goals
-/// then, or has conditions on the way.
+/// then, leaves bounds, or has conditions on the way.
 fn by_itself(model: &dyn Model) -> Option<f64> {
     let declaration = model.declaration();
     let declared = declaration.optimal_control?;
@@ -54,7 +54,17 @@ fn by_itself(model: &dyn Model) -> Option<f64> {
     }
     let mut goals = declared.goals.iter().zip(ends);
     let meets = goals.all(|(goal, value)| value >= 0.0 && (value == 0.0 || !goal.equality));
-    (meets && declared.constraints.is_empty()).then_some(cost)
+    let controls = declaration.controls.len();
+    let (mut lower, mut upper) = (last[0].to_vec(), last[0].to_vec());
+    lower.resize(lower.len() + controls, 0.0);
+    upper.resize(upper.len() + controls, 0.0);
+    model.bounds(&mut lower, &mut upper);
+    let mut places = motion
+        .q
+        .iter()
+        .flat_map(|q| q.iter().zip(lower.iter().zip(&upper)));
+    let inside = places.all(|(x, (lower, upper))| (lower..=upper).contains(&x));
+    (meets && inside && declared.constraints.is_empty()).then_some(cost)
 }
 
 #[test]

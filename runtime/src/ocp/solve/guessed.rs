@@ -6,7 +6,7 @@ use super::optima::{Found, rank, result};
 use super::run::Task;
 use super::shared_observer::SharedObserver;
 use crate::Observer;
-use crate::model::Model;
+use crate::model::{Given, Model, held};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::judge::confirm::report;
@@ -30,10 +30,20 @@ pub(super) fn guessed(
     (model, problem, settings): Scene,
     observer: &mut Observer<'_>,
 ) -> Result<Option<Solution>, InputError> {
-    let best = on_straight(model, problem, settings, |setting, straight| {
-        let longest = match problem.horizon {
+    let length = problem.length(model);
+    let given = Problem {
+        horizon: Horizon::Fixed(length),
+        ..problem.clone()
+    };
+    // A time that parameters give is that of their declared values.
+    let own = match held::place(model, Given::Horizon) {
+        Some(_) => &given,
+        None => problem,
+    };
+    let best = on_straight(model, own, settings, |setting, straight| {
+        let longest = match own.horizon {
             Horizon::Fixed(horizon) => horizon,
-            Horizon::Free { .. } => LONGER * straight.horizon.max(problem.length(model)),
+            Horizon::Free { .. } => LONGER * straight.horizon.max(length),
         };
         let throw = Throw {
             start: problem.start(),
