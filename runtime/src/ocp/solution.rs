@@ -495,9 +495,10 @@ impl Solution {
         }
     }
 
-    /// Whether its control intervals are divided among its phases instead of being of equal length.
+    /// True if control intervals are divided among the phases instead of being of equal length.
     pub(in crate::ocp) fn is_aligned(&self) -> bool {
-        self.previous.as_ref().is_some_and(Previous::is_aligned)
+        let driven = self.controls.first().is_some_and(|u| !u.is_empty());
+        driven && self.previous.as_ref().is_some_and(Previous::is_aligned)
     }
 
     /// What is proved about the contact sequence, and where another one may be better: off the grid one is, by more than the grid is let cost,

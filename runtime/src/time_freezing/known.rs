@@ -243,7 +243,6 @@ mod tests {
         let task = Task {
             time: 0.0,
             linear: false,
-            slopes: Vec::new(),
             intervals: 1,
             elements: 5,
             coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
@@ -251,7 +250,7 @@ mod tests {
             guess: Guess::Known(vec![spans]),
         };
         let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
-        let field = Field::new(&*BEAD, 50.0, &[]);
+        let field = Field::new(&*BEAD, 50.0);
         let mut transcription = Transcription::new(program, outer, field, &tableau, task);
         guess::set_guess(&mut transcription);
         rows::add(&mut transcription);

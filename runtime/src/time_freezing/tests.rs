@@ -16,8 +16,6 @@ use hangtime_solver::nlp::{NlpProblem, check_derivatives};
 enum Unknown {
     /// Nothing: the controls are given.
     Nothing,
-    /// Nothing, and the controls change with time.
-    NothingUnderRamps,
     /// Controls, horizon, and what the scene leaves free at the start.
     Everything,
     /// The same with controls that are linear between nodes.
@@ -63,14 +61,13 @@ fn program<'a>(
     let task = Task {
         time: 0.3,
         linear,
-        slopes: vec![2.5; usize::from(unknown == Unknown::NothingUnderRamps)],
         intervals,
         elements,
         coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
         cross: CrossComplementarity::FeFe,
         guess: Guess::Simulated,
     };
-    let field = Field::new(bead, 50.0, &[]);
+    let field = Field::new(bead, 50.0);
     transcribe(program, outer, field, tableau, task).finished()
 }
 
@@ -99,7 +96,6 @@ fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
         let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
         let unknowns = [
             Unknown::Nothing,
-            Unknown::NothingUnderRamps,
             Unknown::Everything,
             Unknown::EverythingBetweenNodes,
         ];

@@ -477,7 +477,7 @@ impl<'a> Transcription<'a> {
         let layout = self.field.layout.clone();
         let n = self.field.coordinates();
         let first = first_of_stages(self.field.model);
-        let own = self.task.linear || !self.task.slopes.is_empty();
+        let own = self.task.linear;
         let mut variables = Vec::with_capacity(layout.local_variables());
         for k in 0..layout.local_variables() {
             let control = k.checked_sub(layout.states());

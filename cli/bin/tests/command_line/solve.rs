@@ -193,7 +193,7 @@ fn solve_with_out_writes_data_and_a_picture() {
     for words in [
         "final time",
         "dy/dt [m/s]",
-        "a local optimum",
+        "stationarity  S",
         // 7.56 km/h as published; with fewer intervals than there it is a little less or more.
         "(published: +7.56 km/h)",
     ] {

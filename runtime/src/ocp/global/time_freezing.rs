@@ -200,7 +200,7 @@ impl<'a> TimeFreezing<'a> {
 
 /// The time-freezing system in step form.
 fn field<'a>(model: &'a dyn Model, settings: &TimeFreezingSettings) -> Field<'a> {
-    Field::new(model, settings.auxiliary_acceleration, &[])
+    Field::new(model, settings.auxiliary_acceleration)
 }
 
 /// The scheme, where all settings are in range.
@@ -242,7 +242,6 @@ fn task(
     Task {
         time: 0.0,
         linear: guess.controls.shape() == ControlShape::Linear,
-        slopes: Vec::new(),
         intervals: problem.intervals,
         elements: settings.elements_of(model),
         cross: settings.cross_complementarity,

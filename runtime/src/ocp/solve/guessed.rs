@@ -147,9 +147,9 @@ pub(super) fn no_worse(
     guessed: Solution,
 ) -> Result<Solution, InputError> {
     let outdone = match rank(&known) {
-        (0 | 1, objective) => objective > guessed.objective + known.tolerated(COST),
+        (0..=2, objective) => objective > guessed.objective + known.tolerated(COST),
         // A plan that is not confirmed, or has no best length, says more.
-        (2, _) => false,
+        (3, _) => false,
         _ => true,
     };
     if !outdone {

@@ -21,6 +21,7 @@ use super::problem::Problem;
 use super::settings::{ControlNodes, Formulation, Settings};
 use super::solution::{Solution, Status};
 use super::struck::after_impact;
+use super::tuning::on_grid::FINE;
 use super::unknown::with_unknowns;
 use crate::Observer;
 use crate::model::Model;
@@ -98,7 +99,11 @@ fn solve_consistent(
         return Err(refusal::unsupported(what, "take an equal one"));
     }
     let problem = &problem.on_the_ground(model);
-    let guessed = guessed::guessed((model, problem, settings), observer)?;
+    // On a finer grid the places at which a motion may end would fill the memory.
+    let guessed = match problem.intervals > FINE {
+        true => None,
+        false => guessed::guessed((model, problem, settings), observer)?,
+    };
     let hasty = waiting::hasty(model, problem, settings);
     let with = hasty.as_ref().unwrap_or(settings);
     let mut solution = searched::searched(model, problem, with, observer)?;

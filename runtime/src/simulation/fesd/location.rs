@@ -206,7 +206,9 @@ fn leaps(
         }
         // Where a condition jumps it is another one; beside a pole its function is more than ever.
         SwitchKind::Stopping if driver.now.contacts.switch_of(function.contact).is_some() => {
-            value.abs() > driver.now.size(function.contact).sliding_speed()
+            let size = driver.now.size(function.contact);
+            let least = size.sliding_speed().max(size.crossed_rest());
+            value.abs() > least.max(LEAPS * largest)
         }
         // After a release the condition is a velocity, which may jump.
         SwitchKind::Entry | SwitchKind::Reentry | SwitchKind::Stopping => false,
