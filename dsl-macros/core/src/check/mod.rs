@@ -306,9 +306,7 @@ fn finish(
     };
     at_times::finish(&mut checker, &mut start.1);
     // Missing inertia and unused names are most often consequences of other mistakes, but not of units and places.
-    if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
-        return Err(Reported);
-    }
+    no_other_mistakes(&checker)?;
     let moves = inertia(&mut checker, sound, (lagrangian, place));
     let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &mut checker);
     if let Ok(contacts) = &contacts {
@@ -339,9 +337,7 @@ fn finish(
         (optimal_control.as_ref(), &experiments),
     );
     outputs::finish(&mut checker, &contacts);
-    if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
-        return Err(Reported);
-    }
+    no_other_mistakes(&checker)?;
     Ok(CheckedScene {
         explicit_time: graph::variables(&dynamics).contains(&Variable::Time),
         documentation: declared.documentation.clone(),
@@ -369,6 +365,14 @@ fn finish(
         remembers: false,
         lifted: None,
     })
+}
+
+/// Whether units and places are all that is mistaken so far.
+fn no_other_mistakes(checker: &Checker<'_>) -> Checked<()> {
+    match checker.diagnostics.others_than(&["E03", "E08"]) {
+        0 => Ok(()),
+        _ => Err(Reported),
+    }
 }
 
 /// Whether every coordinate has inertia; a scene of states only has no mechanism.
