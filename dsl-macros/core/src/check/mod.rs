@@ -330,7 +330,7 @@ fn finish(
     dynamics.extend(optimal_control.iter().flat_map(along_the_way));
     moves?;
     let given = [&dynamics[..], &forces, &start.0, &start.1].concat();
-    let task = (optimal_control.as_ref(), &experiments);
+    let task = (optimal_control.as_ref(), &experiments[..]);
     free_parameters(&mut checker, given, &contacts, task);
     outputs::finish(&mut checker, &contacts);
     no_other_mistakes(&checker)?;
