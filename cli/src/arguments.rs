@@ -268,9 +268,6 @@ pub(crate) enum FormulationName {
     ActiveSet,
     /// The time-freezing system in numerical time, region by region, with the same switches located.
     TimeFreezing,
-    /// The complementarity problem of the time-freezing system in every step, without a polish: impacts are known to the
-    /// length of an element.
-    Complementarity,
 }
 
 /// Arguments of `solve`.

@@ -375,15 +375,18 @@ impl Run {
         }
     }
 
-    /// What a page tells about it, as (name, value).
+    /// What a page tells about it, as (name, value): facts and then notes of the motion.
     pub(crate) fn facts(&self) -> Vec<[String; 2]> {
-        match &self.work {
+        let mut facts = match &self.work {
             Work::Simulated(task, simulation, _) => {
                 simulation_facts(&task.method, simulation, &self.ending)
             }
             Work::Planned(task, solution) => optimum_facts(&task.method, solution, &self.ending),
             Work::Fitted(_, estimate) => fit_facts(estimate, &self.ending),
-        }
+        };
+        let notes = self.motion().map_or(&[][..], |motion| &motion.notes).iter();
+        facts.extend(notes.map(|note| ["note".to_owned(), note.clone()]));
+        facts
     }
 }
 

@@ -254,7 +254,6 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     fesd.formulation = match formulation {
         FormulationName::ActiveSet => StepFormulation::ActiveSet,
         FormulationName::TimeFreezing => StepFormulation::TimeFreezing,
-        FormulationName::Complementarity => StepFormulation::Complementarity,
     };
     let promise = fesd.promise();
     let grid = promise.is_none();
@@ -330,25 +329,10 @@ fn refuse_idle_settings(arguments: &MethodArguments) -> Result<(), BadInput> {
             "--max-step has no meaning for --steps and --elements, which set the length of all elements; leave it out",
         ));
     }
-    if arguments.formulation == Some(FormulationName::Complementarity)
-        && arguments.no_exit_condition
-    {
+    if arguments.no_exit_condition && arguments.steps.is_some() && arguments.tolerance.is_some() {
         return Err(BadInput::new(
-            "--no-exit-condition has no meaning for --formulation complementarity, which locates no take-off; leave it \
-             out, or choose another formulation",
+            "--tolerance has no meaning for --steps with --no-exit-condition, which controls no errors; leave out one of the two",
         ));
-    }
-    let published = match arguments.formulation {
-        Some(FormulationName::Complementarity) => Some("--formulation complementarity"),
-        _ => arguments.no_exit_condition.then_some("--no-exit-condition"),
-    };
-    if let Some(published) = published
-        && arguments.steps.is_some()
-        && arguments.tolerance.is_some()
-    {
-        return Err(BadInput::new(format!(
-            "--tolerance has no meaning for --steps with {published}, which controls no errors; leave out one of the two"
-        )));
     }
     Ok(())
 }

@@ -157,6 +157,11 @@ fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradien
         rows.push(derivative_row(&format!("objective{side}"), "", values));
     }
     let mut text = "\n".to_owned() + &table(header, rows) + &ranges(&headings, &gradient.ranges);
+    if gradient.obstacles.iter().any(Option::is_none) {
+        let about = |error| format!("about {error:.1e} of the largest in a row");
+        let error = gradient.error_estimate.map_or("unknown".to_owned(), about);
+        let _ = writeln!(text, "\nerror       of derivatives {error}");
+    }
     if let Some(obstacle) = &gradient.obstacle {
         let _ = writeln!(text, "note        no derivatives: {obstacle}");
         if gradient.one_sided.is_some() {
@@ -285,13 +290,11 @@ fn work(simulation: &Simulation) -> String {
     let _ = writeln!(text, "residuals   {}", residual_line(simulation.residuals));
     let _ = writeln!(
         text,
-        "counts      {}, {}, {}, {}, {} in {}",
+        "counts      {}, {}, {}, {}",
         counted(counts.elements, "element"),
         counted(counts.newton, "Newton iteration"),
         counted(counts.factorizations, "factorization"),
-        counted(counts.evaluations, "evaluation"),
-        counted(counts.interior_point, "interior point iteration"),
-        counted(counts.fallbacks, "fallback")
+        counted(counts.evaluations, "evaluation")
     );
     let _ = writeln!(text, "CPU time    {}", seconds(simulation.seconds.total));
     for note in &simulation.notes {

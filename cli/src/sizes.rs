@@ -42,10 +42,6 @@ impl Sizes {
         for (name, formulation) in [
             ("simulation", StepFormulation::ActiveSet),
             ("simulation, time-freezing", StepFormulation::TimeFreezing),
-            (
-                "simulation, time-freezing, program of a step",
-                StepFormulation::Complementarity,
-            ),
         ] {
             sizes.add(name, simulated(chosen, formulation));
         }

@@ -17,7 +17,6 @@ use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::simulate::{digits, ranges};
 use crate::table::{counted, headed, residual_line, seconds, table};
-use crate::task::certificate;
 use crate::{Measure, Quantity};
 
 /// How the best motion became better over the CPU time of the search, if it did: a chart, as (name, chart).
@@ -60,12 +59,13 @@ fn gradient(declaration: &Declaration, solution: &Solution) -> String {
         .iter()
         .zip(gradient.obstacles.iter().zip(&gradient.sides))
     {
-        if let (Some(why), Some(sides)) = (obstacle, sides) {
-            let [left, right] = sides.objective.map(digits);
-            let _ = writeln!(
-                notes,
-                "note        no derivative by {name}: {why}; objective {left} from below, {right} from above"
-            );
+        if let Some(why) = obstacle {
+            let _ = write!(notes, "note        no derivative by {name}: {why}");
+            if let Some(sides) = sides {
+                let [left, right] = sides.objective.map(digits);
+                let _ = write!(notes, "; objective {left} from below, {right} from above");
+            }
+            notes.push('\n');
         }
     }
     table(header, rows)
@@ -113,7 +113,7 @@ pub(crate) fn tables(
     for gain in gains(chosen, &motion.trajectory) {
         let _ = writeln!(text, "gain          {gain}");
     }
-    let _ = writeln!(text, "stationarity  {}", certificate(solution.stationarity));
+    let _ = writeln!(text, "stationarity  {}", solution.certificate());
     let _ = writeln!(text, "re-simulated  {}", resimulated(solution));
     if let Some(finer) = method.finer(solution) {
         let _ = writeln!(text, "elements      {finer}");
@@ -145,7 +145,11 @@ pub(crate) fn tables(
         );
     }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
-    text + &work(solution)
+    text += &work(solution);
+    for note in &motion.notes {
+        let _ = writeln!(text, "note          {note}");
+    }
+    text
 }
 
 /// How far the re-simulation is from the plan: at the end, and in the objective where that is seen.

@@ -79,6 +79,8 @@ class Gradient:
         """Of the objective, shape (columns,); ``None`` where there is none."""
         self.final_time = _row(entry["final_time"]) if "final_time" in entry else None
         """Of the final time of an optimum, shape (columns,); ``None`` for a simulation."""
+        self.error_estimate: Optional[float] = entry.get("error_estimate")
+        """How far derivatives may be off, as a share of the largest change of each value that they tell of; ``None`` where that is not known."""
         self.range: List[Dict[str, Any]] = list(entry.get("range", ()))
         """How far each quantity may go until the events are others, to first order: ``below`` and ``above``, each with ``change``
         and ``because``, or ``None``."""
@@ -406,7 +408,11 @@ class Solution(Run):
     improvements: List[Dict[str, Any]] = _must(
         "improvements", "The first motion that was confirmed, and every better one after it."
     )
-    starts: int = _must("starts", "Starts from which motions were looked for.")
+    starts: int = _must("starts", "Motions from which the best order of contacts was solved.")
+    bound: Optional[float] = _may(
+        "bound", "Least objective of an order of contacts that reaches the goals off the grid; ``None`` where none does."
+    )
+    words: Dict[str, int] = _must("words", "Orders of contacts: ``tried``, and ``failed`` ones, which are undecided.")
 
     @property
     def free(self) -> Dict[str, Dict[str, Any]]:

@@ -195,7 +195,7 @@ class Scene:
         stages: Optional[int] = None,
         steps: Optional[int] = None,
         elements: Optional[int] = None,
-        formulation: Optional[Literal["active-set", "time-freezing", "complementarity"]] = None,
+        formulation: Optional[Literal["active-set", "time-freezing"]] = None,
         tolerance: Optional[float] = None,
         max_step: Optional[Value] = None,
         width: Optional[float] = None,

@@ -8,7 +8,6 @@
 //!
 //! `HANGTIME_ARROWS=solver/src/nlp cargo test --test architecture` looks at one folder.
 
-use std::collections::BTreeMap;
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,8 +16,6 @@ use arrows::{Arrows, Finding, Order, circles};
 use modules::Modules;
 
 mod arrows;
-mod constants;
-mod ledger;
 mod lengths;
 mod modules;
 mod packages;
@@ -205,51 +202,6 @@ fn planted_long_functions_and_structs_are_found() {
     assert_eq!(found(&record(16, "// Many fields: a form.\n")), 0);
 }
 
-/// The folders that look for motions, and the file with their constants.
-const SEARCHES: [&str; 4] = ["words", "search", "solve", "global"];
-const TUNING: &str = "runtime/src/ocp/tuning.rs";
-/// How many constants steer the search.
-const CONSTANTS: usize = 175;
-
-#[test]
-fn constants_of_the_search_stand_in_one_file_and_are_counted() {
-    let mut files = Vec::new();
-    for folder in SEARCHES {
-        sources(&Path::new("runtime/src/ocp").join(folder), &mut files);
-    }
-    assert!(files.len() > 40, "{} files are read", files.len());
-    assert_none(files.iter().flat_map(|file| {
-        let source = fs::read_to_string(workspace().join(file)).expect("a readable file");
-        constants::elsewhere(file, &source)
-    }));
-    let tuning = fs::read_to_string(workspace().join(TUNING)).expect("a readable file");
-    assert_eq!(
-        constants::count(&tuning),
-        CONSTANTS,
-        "the constants of {TUNING}: one that is added says in `docs/experiments/words.md` what is worse without it"
-    );
-}
-
-#[test]
-fn planted_constants_of_the_search_are_found() {
-    let found = |source: &str| constants::elsewhere(Path::new("a.rs"), source).len();
-    assert_eq!(found("const A: f64 = 1e-3;\n"), 2);
-    assert_eq!(found("    pub(super) const A: [usize; 2] = [4, 3];\n"), 1);
-    assert_eq!(found("const A: usize = B + 1;\n"), 1);
-    assert_eq!(found("const A: [&str; 2] = [\"a\", \"b\"];\n"), 0);
-    assert_eq!(
-        found("fn f(x: f64) -> f64 {\n    0.5 * x + 0.03 * x\n}\n"),
-        1
-    );
-    assert_eq!(
-        found("// 0.03\nfn f() {}\n#[cfg(test)]\nmod tests { const A: f64 = 0.03; }\n"),
-        0
-    );
-    assert_eq!(found("const fn f(x: usize) -> usize {\n    x + 1\n}\n"), 0);
-    let two = "/// One.\npub(in crate::ocp) const A: f64 = 1.0;\npub(in crate::ocp) const B: [f64; 2] =\n    [1.0, 2.0];\n";
-    assert_eq!(constants::count(two), 2);
-}
-
 #[test]
 fn tests_are_linked_into_few_programs() {
     // Each program links the library once more; unit tests of a library are one, documentation is not counted.
@@ -270,95 +222,40 @@ fn tests_are_linked_into_few_programs() {
     assert!(programs.len() <= 15, "{programs:#?}");
 }
 
-/// The table of what every room may hold.
-const LEDGER: &str = "tests/architecture/ledger.tsv";
+/// The file with the one line `lines = N`: how many lines Rust and cases may have.
+const LINES: &str = "tests/architecture/lines.toml";
+/// By so many lines the tree may be shorter than the file says before the file is to be lowered.
+const LOOSE: usize = 200;
 
-/// What every room holds now.
-fn rooms() -> BTreeMap<String, ledger::Counts> {
+/// Lines of all Rust sources and of all cases.
+fn lines() -> usize {
     let mut files = Vec::new();
     sources(Path::new(""), &mut files);
-    cases(&mut files);
-    let mut rooms: BTreeMap<String, ledger::Counts> = BTreeMap::new();
-    for file in &files {
-        let text = fs::read_to_string(workspace().join(file)).expect("a readable file");
-        let counts = match file.extension().is_some_and(|end| end == "rs") {
-            true => ledger::of_source(file, &text),
-            false => [
-                0,
-                0,
-                text.lines().filter(|line| !line.is_empty()).count(),
-                0,
-                0,
-                0,
-            ],
-        };
-        let room = rooms.entry(ledger::room(file)).or_default();
-        for (sum, count) in room.iter_mut().zip(counts) {
-            *sum += count;
-        }
-    }
-    rooms
-}
-
-/// Cases are tests as well.
-fn cases(files: &mut Vec<PathBuf>) {
-    let folder = Path::new("tests/cases");
-    for entry in fs::read_dir(workspace().join(folder)).expect("a readable folder") {
-        let path = folder.join(entry.expect("a readable folder").file_name());
-        if path.extension().is_some_and(|end| end == "md") {
-            files.push(path);
-        }
-    }
+    let cases = fs::read_dir(workspace().join("tests/cases")).expect("a readable folder");
+    let cases = cases.map(|entry| entry.expect("a readable folder").path());
+    files.extend(cases.filter(|path| path.extension().is_some_and(|end| end == "md")));
+    let read =
+        |file: &PathBuf| fs::read_to_string(workspace().join(file)).expect("a readable file");
+    files.iter().map(|file| read(file).lines().count()).sum()
 }
 
 #[test]
-fn rooms_hold_no_more_than_the_ledger_says() {
-    let path = workspace().join(LEDGER);
-    let table = ledger::Table::read(&fs::read_to_string(&path).expect("a table"));
-    let rooms = rooms();
-    if env::var_os("HANGTIME_UPDATE").is_some() {
-        fs::write(&path, table.lowered(&rooms)).expect("a writable table");
-    }
-    let table = ledger::Table::read(&fs::read_to_string(&path).expect("a table"));
-    let [above, below] = table.differs(&rooms);
-    assert!(above.is_empty(), "in {LEDGER}:\n{}", above.join("\n"));
+fn lines_of_rust_and_of_cases_only_fall() {
+    let path = workspace().join(LINES);
+    let text = fs::read_to_string(&path).expect("a file with `lines = N`");
+    let most = text.trim().strip_prefix("lines = ");
+    let most: usize = most
+        .and_then(|most| most.parse().ok())
+        .expect("`lines = N`");
+    let lines = lines();
     assert!(
-        below.is_empty(),
-        "rows of {LEDGER} that are to be lowered; `HANGTIME_UPDATE=1 cargo test --test architecture rooms` writes them:\n{}",
-        below.join("\n")
+        lines <= most,
+        "{lines} lines of Rust and of cases, for {most} at the most ({LINES})"
     );
-}
-
-#[test]
-fn planted_growth_is_found_and_only_a_reason_raises() {
-    let source = "//! Documented.\n\n/// One.\npub struct A;\nconst N: [f64; 2] = [1.0, 2.0];\nconst S: &str = \"\";\npub(crate) fn f() {}\n\n#[cfg(test)]\nmod tests {\n    enum E {}\n}\n";
-    let counts = ledger::of_source(Path::new("runtime/src/a/b.rs"), source);
-    assert_eq!(counts, [4, 2, 4, 1, 1, 1]);
-    assert_eq!(
-        ledger::room(Path::new("runtime/src/a/b.rs")),
-        "runtime/src/a"
+    assert!(
+        lines + LOOSE >= most,
+        "{LINES} is to be lowered: `lines = {lines}`"
     );
-    assert_eq!(ledger::room(Path::new("cli/src/a/b.rs")), "cli/src");
-    assert_eq!(
-        ledger::room(Path::new("cli/bin/tests/a/b.rs")),
-        "cli/bin/tests"
-    );
-    let found = BTreeMap::from([("a".to_owned(), [400, 0, 0, 3, 0, 0])]);
-    let sizes = |text: &str| {
-        ledger::Table::read(text)
-            .differs(&found)
-            .map(|list| list.len())
-    };
-    assert_eq!(sizes("a\t400\t0\t0\t3\t0\t0\n"), [0, 0]);
-    assert_eq!(sizes("a\t399\t0\t0\t2\t0\t0\n"), [2, 0]);
-    assert_eq!(
-        sizes("a\t399\t0\t0\t3\t0\t0\na\t+code\t1\tone line that is needed\n"),
-        [0, 0]
-    );
-    assert_eq!(sizes("a\t460\t0\t0\t3\t0\t0\n"), [0, 1]);
-    let lowered =
-        ledger::Table::read("# room\na\t460\t0\t0\t2\t0\t0\nb\t1\t0\t0\t0\t0\t0\n").lowered(&found);
-    assert_eq!(lowered, "# room\na\t400\t0\t0\t2\t0\t0\n");
 }
 
 /// A crate in a fresh folder: files by name.

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use hangtime::model::Model;
 use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, TimeFreezingSettings};
+use hangtime_scene_files::of_text;
 use hangtime_zoo::exhibits;
 use nalgebra::{DMatrix, DVector};
 
@@ -14,6 +16,82 @@ fn solve(name: &str, intervals: usize, settings: &Settings) -> Solution {
     let model = exhibit.unwrap().model();
     let problem = Problem::of(&*model, intervals);
     ocp::solve(&*model, &problem, settings, &mut |_| true).unwrap()
+}
+
+/// What a scene costs that is left to itself for the time that it declares, with a running cost to a thousandth; none where it misses goals
+/// then, leaves bounds, or has conditions on the way.
+fn by_itself(model: &dyn Model) -> Option<f64> {
+    let declaration = model.declaration();
+    let declared = declaration.optimal_control?;
+    let motion = hangtime::simulate(model)
+        .points(2000)
+        .run()
+        .ok()?
+        .trajectory;
+    let last = [
+        &motion.q.last()?[..],
+        motion.v.last()?,
+        &[*motion.time.last()?],
+    ];
+    let mut z = last.concat();
+    z.resize(declaration.terminal_inputs(), 0.0);
+    let mut ends = vec![0.0; declared.terminal_functions()];
+    model.terminal_functions(&z, &mut ends);
+    let mut cost = 0.0;
+    if declared.final_cost {
+        cost = ends.remove(0);
+    }
+    let running = |i: usize| {
+        let mut x = [&motion.q[i][..], &motion.v[i], &motion.u[i]].concat();
+        x.resize(declaration.path_inputs(), motion.time[i]);
+        let mut values = vec![0.0; declared.path_functions()];
+        model.path_functions(&x, &mut values);
+        values[0]
+    };
+    for i in 1..motion.time.len() * usize::from(declared.running_cost) {
+        let length = motion.time[i] - motion.time[i - 1];
+        cost += 0.5 * length * (running(i - 1) + running(i));
+    }
+    let mut goals = declared.goals.iter().zip(ends);
+    let meets = goals.all(|(goal, value)| value >= 0.0 && (value == 0.0 || !goal.equality));
+    let controls = declaration.controls.len();
+    let (mut lower, mut upper) = (last[0].to_vec(), last[0].to_vec());
+    lower.resize(lower.len() + controls, 0.0);
+    upper.resize(upper.len() + controls, 0.0);
+    model.bounds(&mut lower, &mut upper);
+    let mut places = motion
+        .q
+        .iter()
+        .flat_map(|q| q.iter().zip(lower.iter().zip(&upper)));
+    let inside = places.all(|(x, (lower, upper))| (lower..=upper).contains(&x));
+    (meets && inside && declared.constraints.is_empty()).then_some(cost)
+}
+
+#[test]
+fn nothing_solved_is_worse_than_a_scene_that_is_left_to_itself() {
+    // A cart ends on the flank of a hole of depth 1 that is far too narrow for the steps of a program.
+    let holes = (0..10).map(|k| {
+        let (place, flank) = (3.0 + 0.5 * f64::from(k), 0.5 + 0.05 * f64::from(k));
+        let text = format!(
+            "coordinates {{ x: m }}\ncontrols {{ u: N in -20..=20 }}\nlagrangian dot(x)^2/2*1 [kg]\nforces {{ x: u }}\n\
+             start {{ dot(x): {} }}\nminimize ((x - 2 [m])/10 [m])^2 - exp(-((x - {place} [m])/0.01 [m])^2)\nhorizon 1 [s]\n",
+            place + 0.01 * flank
+        );
+        Box::new(of_text("hole.hang", &text).unwrap()) as Box<dyn Model>
+    });
+    let scenes = holes.chain(exhibits().iter().map(|exhibit| exhibit.model()));
+    let mut compared = 0;
+    for model in scenes {
+        let Some(own) = by_itself(&*model) else {
+            continue;
+        };
+        let problem = Problem::of(&*model, 5);
+        let found = ocp::solve(&*model, &problem, &Settings::default(), &mut |_| true).unwrap();
+        let worse = found.objective - own > 1e-3 * own.abs();
+        assert!(!worse, "{} for {own}", found.objective);
+        compared += 1;
+    }
+    assert!(compared >= 10, "{compared} motions met their goals");
 }
 
 #[test]

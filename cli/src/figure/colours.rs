@@ -22,7 +22,7 @@ const OWN: usize = 7;
 
 /// The methods and their colours. A name that begins with one of these is a variant of that method, in the same colour
 /// with another mark.
-const METHODS: [(&str, usize); 15] = [
+const METHODS: [(&str, usize); 14] = [
     ("finite elements", 0),
     ("Radau", 0),
     ("Gauss", 0),
@@ -31,7 +31,6 @@ const METHODS: [(&str, usize); 15] = [
     ("Moreau-Jean", 2),
     ("smoothed", 3),
     ("time-freezing", 4),
-    ("complementarity", 5),
     ("event-driven", 6),
     ("scipy DOP853", 7),
     ("scipy Radau", 8),

@@ -46,6 +46,8 @@ pub(super) fn gradient(model: &dyn Model, gradient: &Gradient, kept: &[usize]) -
         .some("outputs", forward.then(outputs))
         // Of the objective. Only of scenes that declare one that reads nothing of contacts.
         .some("objective", gradient.objective.as_ref())
+        // How far derivatives may be off, as a share of the largest change of each value that they tell of. Only where that is known.
+        .some("error_estimate", gradient.error_estimate)
         // How far each quantity may go until the motion has another sequence of events, to first order. Only of `forward` derivatives.
         .list("range", &ranges)
         // `true`, or why there is no derivative by some quantity.

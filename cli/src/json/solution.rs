@@ -1,9 +1,7 @@
 //! The JSON document of an optimal control problem.
 
 use hangtime::model::Model;
-use hangtime::ocp::{
-    ControlNodes, Formulation, OptimumGradient, Settings, Solution, TimeFreezingReport,
-};
+use hangtime::ocp::{Formulation, OptimumGradient, Settings, Solution, TimeFreezingReport};
 use hangtime::rk::Scheme;
 use serde::Serialize;
 
@@ -26,9 +24,6 @@ pub(crate) struct SolverSettings {
     pub(crate) intervals: usize,
     /// What the controls are on an interval: constant or linear.
     pub(crate) control_shape: &'static str,
-    /// Whether intervals are divided among phases.
-    #[serde(skip)]
-    aligned: bool,
     /// Finite elements: of a phase, or of an interval with time-freezing.
     pub(crate) elements: usize,
     /// Starts of the best order of contacts, or that may be solved side by side.
@@ -59,7 +54,6 @@ impl SolverSettings {
             stages,
             intervals,
             control_shape: settings.controls.name(),
-            aligned: settings.grid == ControlNodes::Aligned,
             elements,
             starts: settings.starts(),
             of_a_phase: settings.elements,
@@ -197,7 +191,6 @@ pub(crate) fn solution_document(
     }
     let free = Some(free).filter(|_| !solution.parameters.is_empty());
     let objective = Some(solution.resimulated_objective).filter(|cost| cost.is_finite());
-    let times = method.aligned.then_some(&solution.control_times);
     let freezing = solution.time_freezing.as_ref().map(time_freezing);
     let begin = begun(chosen)
         // Free parameters that were found, by name.
@@ -216,12 +209,16 @@ pub(crate) fn solution_document(
         .with("resimulation_error", solution.resimulation_error)
         // Objective of the re-simulated motion.
         .some("resimulated_objective", objective)
-        // Starts on grids.
+        // The least objective of an order of contacts that reaches the goals off the grid; null where none does.
+        .with("bound", solution.bound)
+        // Orders of contacts that were tried off the grid, and those that are undecided, as their programs have no solution.
+        .with("words", solution.words)
+        // Motions from which the best order of contacts was solved.
         .with("starts", solution.starts)
         // Controls: a row an interval, or a row a node where they are linear.
         .with("controls", &solution.controls)
-        // When they change \[s\]. Only where they are not of equal length.
-        .some("control_times", times)
+        // When each interval begins and the last one ends \[s\].
+        .with("control_times", &solution.control_times)
         // Derivatives of the optimum. Only where they were asked for.
         .some("gradient", solution.gradient.as_ref().map(gradient))
         // How well the equations of the steps hold.
@@ -242,7 +239,11 @@ pub(crate) fn solution_document(
         .with("excess", &solution.excess)
         // Distances that the method keeps though the scene does not ask for them.
         .with("margins", &solution.margins);
-    let finer = method.finer(solution).into_iter();
+    let notes = solution
+        .motion
+        .iter()
+        .flat_map(|motion| motion.notes.iter().cloned());
+    let notes = notes.chain(method.finer(solution));
     let struck = struck_after_the_end(chosen.model.as_ref(), solution);
-    motion.ended(document, finer.chain(struck), at_bounds(solution))
+    motion.ended(document, notes.chain(struck), at_bounds(solution))
 }

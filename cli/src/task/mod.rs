@@ -5,5 +5,5 @@ mod optimum;
 mod simulation;
 
 pub(crate) use fit::{FitTask, METHOD as FIT_METHOD, facts as fit_facts};
-pub(crate) use optimum::{INTERVALS, OptimumTask, certificate, facts as optimum_facts};
+pub(crate) use optimum::{INTERVALS, OptimumTask, facts as optimum_facts};
 pub(crate) use simulation::{SimulationTask, facts as simulation_facts};

@@ -3,7 +3,7 @@
 use hangtime::Observer;
 use hangtime::ocp::{
     self, ControlNodes, ControlShape, Formulation, Guess, Horizon, Previous, Problem, Settings,
-    Solution, Stationarity, TimeFreezingSettings,
+    Solution, TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
 
@@ -148,7 +148,7 @@ pub(crate) fn facts(
         ("status", ending.status.to_owned()),
         ("objective", format!("{:.10}", solution.objective)),
         ("final time", format!("{:.10} s", solution.horizon)),
-        ("stationarity", certificate(solution.stationarity)),
+        ("stationarity", solution.certificate()),
         (
             "distance of the re-simulation at the end",
             format!("{:.1e}", solution.resimulation_error),
@@ -157,16 +157,4 @@ pub(crate) fn facts(
     ]
     .map(|(name, value)| [name.to_owned(), value])
     .into()
-}
-
-/// A certificate with its meaning.
-pub(crate) fn certificate(stationarity: Stationarity) -> String {
-    let meaning = match stationarity {
-        Stationarity::S => "a local optimum whose contact sequence has no neighbours",
-        Stationarity::B => {
-            "a local optimum, and no neighbouring contact sequence gives a better one"
-        }
-        Stationarity::None => "no proof that neighbouring contact sequences are no better",
-    };
-    format!("{}: {meaning}", stationarity.name())
 }

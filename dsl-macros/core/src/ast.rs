@@ -76,6 +76,18 @@ pub(crate) struct Quantity {
     pub(crate) free: bool,
 }
 
+/// Numbers that are above zero, written out of shapes and stops.
+#[derive(Debug, Clone)]
+pub(crate) struct Positive {
+    /// Code and message of the mistake where a default is not.
+    pub(crate) code: &'static str,
+    pub(crate) message: String,
+    /// The shape or joint that has such numbers, of which one mistake is told, and the part of it.
+    pub(crate) of: String,
+    pub(crate) part: String,
+    pub(crate) value: Expr,
+}
+
 /// `name: value`, in `forces` and `start`, and `name = value`, in `when`.
 #[derive(Debug, Clone)]
 pub(crate) struct Assignment {
@@ -214,6 +226,7 @@ pub(crate) enum Statement {
         arguments: Vec<Name>,
         body: Expr,
     },
+    Positive(Positive),
     Lagrangian {
         keyword: Place,
         value: Expr,
@@ -422,6 +435,15 @@ impl Expr {
             Kind::Negate(inner) => inner.is_bare(),
             Kind::Chain(..) => self.children().into_iter().all(Self::is_bare),
             _ => false,
+        }
+    }
+
+    /// The unit behind a number, possibly with its sign.
+    pub(crate) fn unit(&self) -> Option<&WrittenUnit> {
+        match &self.kind {
+            Kind::Number { unit, .. } => unit.as_ref(),
+            Kind::Negate(inner) => inner.unit(),
+            _ => None,
         }
     }
 

@@ -24,6 +24,7 @@ pub(crate) struct CheckedScene {
     pub(crate) forces: Vec<Sym>,
     pub(crate) contacts: Vec<Contact>,
     pub(crate) joints: Vec<Joint>,
+    pub(crate) positive: Vec<Positive>,
     /// Initial coordinates and velocities, in declared units.
     pub(crate) start: (Vec<Sym>, Vec<Sym>),
     pub(crate) horizon: Option<Sym>,
@@ -54,6 +55,13 @@ pub(crate) struct Lifted {
     pub(crate) coordinates: usize,
     /// Of the last controls, which are one at each instant, the numbers of their conditions, the last constraints.
     pub(crate) controls: Vec<usize>,
+}
+
+/// A function of parameters that is above zero, in SI units.
+pub(crate) struct Positive {
+    pub(crate) what: String,
+    pub(crate) unit: Option<Unit>,
+    pub(crate) value: Sym,
 }
 
 /// A parameter that optimal control is to find.

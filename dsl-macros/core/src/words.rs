@@ -30,6 +30,12 @@ pub(crate) const STATEMENTS: [&str; 26] = [
     "picture",
 ];
 
+/// The name in place of that of an abbreviation where numbers are above zero, which is written out and which nobody can write.
+pub(crate) const POSITIVE: &str = "above.zero";
+
+/// The name of what gravity adds to the Lagrangian for a body, behind that of the body, which nobody can write.
+pub(crate) const WEIGHT: &str = "of.gravity";
+
 /// Words that begin a statement where a name follows, and are names otherwise: what is written out before anything is read. Each
 /// with how it is written.
 pub(crate) const WRITTEN_OUT: [(&str, &str); 12] = [

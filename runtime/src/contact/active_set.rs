@@ -109,10 +109,9 @@ impl Equations {
 
 /// Tangential force of a contact for one unit of its normal force, unless that is an unknown of its own.
 pub(super) fn slope(state: ContactState, tangent: Option<Tangent>) -> f64 {
-    match (state, tangent) {
-        (state, Some(tangent)) => state.force_ratio((tangent.friction, tangent.kinetic)),
-        (_, None) => 0.0,
-    }
+    tangent.map_or(0.0, |tangent| {
+        state.force_ratio((tangent.friction, tangent.kinetic))
+    })
 }
 
 /// Forces of all lines from those of the unknown ones.

@@ -55,7 +55,7 @@ pub(crate) struct Balance {
 
 impl Balance {
     /// A solution of the law for lines that move by `offsets`. All are asked for only where friction may push a contact into the
-    /// ground: elsewhere they give one motion.
+    /// ground: elsewhere they give one motion, but for [switches](Touching::parting).
     ///
     /// # Errors
     /// Where none is found, or several with different motions.
@@ -66,15 +66,20 @@ impl Balance {
     ) -> Result<Self, ModeError> {
         let matrix = view.couplings(&touching.lines);
         let forces = law::first(&touching.problem(&matrix, offsets))?;
-        // Where sliding has a lower coefficient of its own, what may rest does.
-        if let Some((contact, _)) = touching.jams(view)
-            && !touching.breaks()
-            && let Some((found, solutions)) = Self::all(touching.clone(), view, offsets)
-            && found.has_others(view, offsets, &solutions)
-        {
-            return Err(ModeError::Several(contact));
+        let balance = Self::with(touching, &matrix, offsets, forces);
+        match balance.touching.jams(view) {
+            Some((contact, _)) if balance.is_one_of_several(view, offsets) => {
+                Err(ModeError::Several(contact))
+            }
+            _ => Ok(balance),
         }
-        Ok(Self::with(touching, &matrix, offsets, forces))
+    }
+
+    /// Whether the lines that move by `offsets` have several motions. Where sliding has a lower coefficient of its own, what may rest does.
+    pub(crate) fn is_one_of_several(&self, view: &View<'_>, offsets: &[f64]) -> bool {
+        let all = || Self::all(self.touching.clone(), view, offsets);
+        !self.touching.breaks()
+            && all().is_some_and(|(found, others)| found.has_others(view, offsets, &others))
     }
 
     /// Whether one of the solutions changes the velocity by something else than this one does.

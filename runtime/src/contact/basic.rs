@@ -4,9 +4,10 @@ use super::active_set::{Equations, forces_of};
 use super::problem::{Problem, Solution, Tangent};
 use super::state::ContactState;
 use crate::linalg::dense;
+use crate::linalg::least_norm::LeastNorm;
 
-/// Pivots below this share of the largest entry are those of dependent lines, see [`small_system`](crate::linalg::small_system).
-const DEPENDENT: f64 = 1e-11;
+/// Components of a direction below this share of the largest one are rounding error, see [`small_system`](crate::linalg::small_system).
+const IDLE: f64 = 1e-11;
 
 /// Moves forces that do nothing together until one of the contacts opens or reaches the edge of its cone, until the others are
 /// independent, and solves their equations. `None` where nothing ends that.
@@ -18,7 +19,9 @@ pub(super) fn reduced(
 ) -> Option<Solution> {
     for _ in 0..=2 * states.len() {
         let equations = Equations::of(problem, tangents, &states);
-        let Some(null) = null_vector(&equations) else {
+        let order = equations.unknown.len();
+        let idle = LeastNorm::of(&equations.matrix, order).map(|known| known.idle());
+        let Some(null) = idle.and_then(|idle| idle.into_iter().next()) else {
             let x = exact(&equations)?;
             let forces = forces_of(problem, tangents, &states, (&equations.unknown, &x));
             return Some(Solution { states, forces });
@@ -67,11 +70,7 @@ fn first_stop(
     let largest = direction.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
     let of = |line: usize| {
         let d = sign * direction[line];
-        if d.abs() <= DEPENDENT * largest {
-            0.0
-        } else {
-            d
-        }
+        if d.abs() <= IDLE * largest { 0.0 } else { d }
     };
     for (i, state) in states.iter().enumerate() {
         if *state == ContactState::Open {
@@ -92,60 +91,6 @@ fn first_stop(
         }
     }
     first
-}
-
-/// A vector that the matrix maps to zero, by elimination with complete pivoting; `None` if there is none.
-fn null_vector(equations: &Equations) -> Option<Vec<f64>> {
-    let order = equations.unknown.len();
-    let mut a = equations.matrix.clone();
-    let mut columns: Vec<usize> = (0..order).collect();
-    let largest = a.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
-    for k in 0..order {
-        let (mut best, mut size) = ((k, k), 0.0);
-        for row in k..order {
-            for column in k..order {
-                let entry = a[row * order + column].abs();
-                if entry > size {
-                    (best, size) = ((row, column), entry);
-                }
-            }
-        }
-        if size <= DEPENDENT * largest {
-            return Some(back_substituted(&a, &columns, k));
-        }
-        for column in 0..order {
-            a.swap(k * order + column, best.0 * order + column);
-        }
-        for row in 0..order {
-            a.swap(row * order + k, row * order + best.1);
-        }
-        columns.swap(k, best.1);
-        for row in k + 1..order {
-            let factor = a[row * order + k] / a[k * order + k];
-            if factor != 0.0 {
-                for column in k..order {
-                    a[row * order + column] -= factor * a[k * order + column];
-                }
-            }
-        }
-    }
-    None
-}
-
-/// The null vector with a one at the first column behind the `rank` that have pivots.
-fn back_substituted(a: &[f64], columns: &[usize], rank: usize) -> Vec<f64> {
-    let order = columns.len();
-    let mut x = vec![0.0; order];
-    x[rank] = 1.0;
-    for k in (0..rank).rev() {
-        let sum: f64 = (k + 1..=rank).map(|j| a[k * order + j] * x[j]).sum();
-        x[k] = -sum / a[k * order + k];
-    }
-    let mut null = vec![0.0; order];
-    for (&column, value) in columns.iter().zip(x) {
-        null[column] = value;
-    }
-    null
 }
 
 /// The solution of independent equations, refined once.

@@ -12,10 +12,9 @@
 //! Source: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988).
 
 use super::balance::Balance;
-use super::line::{Line, unbiased_lines};
+use super::line::Line;
 use super::mode_error::ModeError;
 use super::shares;
-use super::state::{ActiveContact, ContactState};
 use super::touching::Touching;
 use super::view::View;
 use crate::model::pair_size;
@@ -96,16 +95,10 @@ pub(crate) fn gain(before: f64, after: f64) -> Option<(f64, f64)> {
     (after > before * (1.0 + SAME_ENERGY)).then_some((before, after))
 }
 
-/// Removes the normal velocities of the `active` contacts at the last evaluation, and the sliding
-/// velocities of those that stick, from `v`, along their directions.
-pub(crate) fn hold(
-    contacts: &View<'_>,
-    active: &[ActiveContact],
-    v: &mut [f64],
-) -> Result<(), ModeError> {
-    let lines = unbiased_lines(active);
+/// Removes the velocities of these `lines` at the last evaluation from `v`, along their directions.
+pub(crate) fn hold(contacts: &View<'_>, lines: &[Line], v: &mut [f64]) -> Result<(), ModeError> {
     let mut impulses: Vec<f64> = lines.iter().map(|&line| contacts.velocity(line)).collect();
-    shares::hold(contacts, &lines, &mut impulses)?;
+    shares::hold(contacts, lines, &mut impulses)?;
     for (&line, &impulse) in lines.iter().zip(&impulses) {
         contacts.push(line, -impulse, v);
     }
@@ -131,11 +124,6 @@ pub(crate) fn close_gaps(
 /// other.
 pub(crate) fn bring_to_rest(view: &mut View<'_>, listed: &[usize], x: &mut [f64]) {
     let n = view.n;
-    let resting = listed.iter().map(|&contact| ActiveContact {
-        contact,
-        state: ContactState::Frictionless,
-    });
-    let resting: Vec<ActiveContact> = resting.collect();
     let evaluate = |view: &mut View<'_>, x: &[f64]| {
         for &contact in listed {
             view.evaluate_sides(contact, x);
@@ -146,7 +134,7 @@ pub(crate) fn bring_to_rest(view: &mut View<'_>, listed: &[usize], x: &mut [f64]
     if !shares::are_independent(view, &normals) {
         return;
     }
-    if hold(view, &resting, &mut x[n..2 * n]).is_err() {
+    if hold(view, &normals, &mut x[n..2 * n]).is_err() {
         return;
     }
     let q = x[..n].to_vec();

@@ -150,39 +150,6 @@ mod tests {
             .collect()
     }
 
-    /// A row of equal balls that touch: contact `i` between balls `i` and `i + 1`, in units of its normal velocity.
-    fn row_of_balls(contacts: usize) -> Vec<f64> {
-        let entry = |i: usize, j: usize| match i.abs_diff(j) {
-            0 => 1.0,
-            1 => -0.5,
-            _ => 0.0,
-        };
-        (0..contacts * contacts)
-            .map(|k| entry(k / contacts, k % contacts))
-            .collect()
-    }
-
-    #[test]
-    fn ball_that_strikes_a_row_shares_its_momentum_with_all() {
-        let contacts = 49;
-        let matrix = row_of_balls(contacts);
-        let mut offsets = vec![0.0; contacts];
-        offsets[0] = -1.0;
-        let problem = Problem {
-            matrix: &matrix,
-            offsets: &offsets,
-            cones: &[],
-            surfaces: offsets.len(),
-            in_space: false,
-        };
-        let solution = solve(&problem, None).expect("solvable");
-        for (k, p) in solution.forces.iter().enumerate() {
-            // Of 50 balls with the velocity 1/50 those behind contact k have what is left of the momentum; p = 2 P.
-            let momentum = 1.0 - (k + 1) as f64 / 50.0;
-            assert!((p - 2.0 * momentum).abs() < 1e-13, "{k}: {p}");
-        }
-    }
-
     #[test]
     fn redundant_contacts_leave_forces_that_their_equations_determine() {
         // A beam on 30 points: height and angle.
@@ -250,6 +217,30 @@ mod tests {
                     // A violation e moves the motion by about sqrt(e), as the energy of the difference is e times the forces.
                     prop_assert!((one - other).abs() < 1e-7 + 30.0 * lost.sqrt(), "{line}: {one} {other}");
                 }
+            }
+        }
+
+        /// Switches of a force of one: with couplings of any signs, without symmetry, Lemke's method ends at a solution.
+        #[test]
+        fn switches_of_any_couplings_are_solved(
+            couplings in proptest::collection::vec(-1.0..1.0_f64, 100),
+            q in proptest::collection::vec(-2.0..2.0_f64, 10),
+        ) {
+            let entry = |(row, column): (usize, usize)| match (row < 10, column < 10) {
+                (false, false) => couplings[10 * (row - 10) + column - 10],
+                _ => f64::from(u8::from(row == column)),
+            };
+            let matrix: Vec<f64> = (0..400).map(|k| entry((k / 20, k % 20))).collect();
+            let offsets: Vec<f64> = [-1.0; 10].into_iter().chain(q).collect();
+            let cone = |normal| Cone { normal, friction: 1.0, kinetic: 1.0, across: None };
+            let cones: Vec<Cone> = (0..10).map(cone).collect();
+            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &cones, surfaces: 0, in_space: false };
+            let mut f = vec![0.0; 20];
+            prop_assert!(solve_polyhedral(&problem, &mut f).is_ok());
+            for line in 10..20 {
+                let w = problem.motion(line, &f).0;
+                // Some twenty pivots, of matrices with a condition up to 1e4.
+                prop_assert!(f[line].abs() <= 1.0 + 1e-9 && (f[line] * w + w.abs()).abs() <= 1e-9, "{w} {f:?}");
             }
         }
 

@@ -45,7 +45,7 @@
 //!
 //! [`Decision`] reads from a balance of accelerations what each contact does next: it carries a force, or leaves with an
 //! acceleration; it sticks inside of its cone, or slips with an acceleration. Where both sides of a condition vanish it says so. Contacts
-//! whose velocity others hold need no force of their own ([`sharing`]); in space all share the load, and let go where none of their
+//! whose velocity others hold need no force of their own ([`shares::is_free`]); in space all share the load, and let go where none of their
 //! [`shares`] obeys the laws of all. Impacts that follow too fast to be told apart, or that a scene wants in sequence, are a [`cluster`]; those of
 //! others may pass an [`edge`] by.
 //!
@@ -55,12 +55,12 @@
 //!
 //! - integration, and the steps that end at a switch, with the memory of the equations of a mode; which function falls first on dense
 //!   output is found for both by `enclosure`;
-//! - what counts as zero: sizes of terms for finite elements, ranges and moments of a motion for the event-driven method, which
-//!   follow from how each integrates and are arguments here;
+//! - what counts as zero: sizes of terms for finite elements, ways and moments of a motion for the event-driven method, which
+//!   follow from how each integrates and are arguments here; both are measured by the `extent` of the motion;
 //! - the choice where accelerations decide nothing: finite elements solve the same problem one derivative higher, the event-driven
 //!   method looks at what follows a moment later;
 //! - how many solutions are asked for: the event-driven method and Moreau's time stepping want all. Finite elements take the first, in
-//!   which what may rest does, and ask for all only where friction may push a contact into the ground. All refuse several motions.
+//!   which what may rest does, and ask for all where friction may push a contact into the ground or a switch may slide. All refuse several motions.
 //!
 //! Sources: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988); Kostreva, *Block pivot methods for
 //! solving the complementarity problem* (1978); Judice, Pires, *A block principal pivoting algorithm for large-scale strictly
@@ -74,6 +74,7 @@ mod blocks;
 pub(crate) mod cluster;
 mod contact_mode;
 pub(crate) mod edge;
+mod extent;
 mod few;
 pub(crate) mod impact;
 pub(crate) mod law;
@@ -84,7 +85,6 @@ mod polyhedral;
 mod problem;
 mod rest;
 pub(crate) mod shares;
-pub(crate) mod sharing;
 mod space;
 mod state;
 pub(crate) mod touching;
@@ -92,7 +92,8 @@ mod view;
 
 pub(crate) use balance::{Balance, Decision, Vanished, sliding};
 pub use contact_mode::{ContactMode, Direction};
-pub(crate) use line::{Line, stuck, tangents};
+pub(crate) use extent::Extent;
+pub(crate) use line::{Line, stuck, tangents, unbiased_lines};
 pub(crate) use mode_error::ModeError;
 pub(crate) use problem::{Cone, Problem};
 pub(crate) use rest::Rest;

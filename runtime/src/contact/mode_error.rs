@@ -19,6 +19,8 @@ pub(crate) enum ModeError {
     NotUnique(usize),
     /// The motion stays where the function of this switch and its rate vanish, while something else moves.
     SecondOrder(usize),
+    /// This condition sets at one instant what another one sets to a different value.
+    SetTwice(usize),
 }
 
 impl ModeError {
@@ -28,7 +30,8 @@ impl ModeError {
             Self::Several(contact)
             | Self::NegativeBound(contact)
             | Self::NotUnique(contact)
-            | Self::SecondOrder(contact) => Some(contact),
+            | Self::SecondOrder(contact)
+            | Self::SetTwice(contact) => Some(contact),
             Self::Jammed | Self::Dependent | Self::NotFinite => None,
         }
     }

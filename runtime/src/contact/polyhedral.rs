@@ -5,7 +5,11 @@
 //!                  0 <= l   _|_  mu p - b_+ - b_- >= 0
 //! ```
 //!
-//! In the plane it is exact. Source: Stewart, Trinkle, An implicit time-stepping scheme for rigid body dynamics, 1996.
+//! In the plane it is exact. Where all bounds `mu p` are given, as of switches, those of the last rows are no part of the covering vector: forces
+//! then stay bounded along every ray, so that there is none but the first, whatever the signs and the symmetry of the couplings.
+//!
+//! Sources: Stewart, Trinkle, An implicit time-stepping scheme for rigid body dynamics, 1996; Cao, Ferris, A pivotal method for affine variational
+//! inequalities, 1996.
 
 use super::problem::Problem;
 use crate::linalg::lcp;
@@ -55,7 +59,13 @@ pub(crate) fn solve_polyhedral(
         matrix[bound * size + first + 1] = -1.0;
     }
     let mut z = vec![0.0; size];
-    lcp::solve(&matrix, &vector, &mut z)?;
+    let given = problem
+        .cones
+        .iter()
+        .all(|cone| cone.normal >= problem.surfaces);
+    let is_bound = |row: usize| row >= normals && (row - normals) % 3 == 2;
+    let cover = |row: usize| if given && is_bound(row) { 0.0 } else { 1.0 };
+    lcp::lemke((&matrix, &vector), cover, &mut z)?;
     forces[..normals].copy_from_slice(&z[..normals]);
     for (k, friction) in forces[normals..].iter_mut().enumerate() {
         let first = normals + 3 * k;

@@ -30,6 +30,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Share of the terms of the equations that they may miss.
 const MISSED: f64 = 1e-9;
+/// Share of its terms that is left of the coupling of a line with itself while others are held, below which it follows from them.
+const FOLLOWS: f64 = 1e-10;
 /// Weight of the barrier at the end, as a share of the largest force: so much less than the margin is what it finds.
 const LEAST_WEIGHT: f64 = 1e-11;
 /// Factor of the weight from one centre to the next.
@@ -122,7 +124,7 @@ impl Shares {
         push: impl Fn(usize, f64, &mut [f64]),
         (matrix, right): (&[f64], &[f64]),
     ) -> Result<Self, ModeError> {
-        // In the plane redundant contacts are left out one by one, see `sharing`.
+        // In the plane redundant contacts are left out one by one, see [`is_free`].
         if !lines.iter().any(|line| view.is_in_space(line.contact())) {
             return Err(ModeError::Dependent);
         }
@@ -441,6 +443,47 @@ impl<'a> Barrier<'a> {
 pub(crate) fn are_independent(view: &View<'_>, lines: &[Line]) -> bool {
     let mut pivots = vec![0; lines.len()];
     dense::factorize_independent(&mut view.couplings(lines), &mut pivots)
+}
+
+/// Whether the velocity of `line` is free while others are `held`. The couplings of switches have no symmetry, so that what is left of the
+/// coupling of a line with itself may have either sign.
+pub(crate) fn is_free(view: &View<'_>, held: &[Line], line: Line) -> Result<bool, ModeError> {
+    let whole = view.coupling(line, line);
+    let left = reduced_couplings(view, held, &[line])?[0];
+    Ok(left.abs() > FOLLOWS * whole.abs().max((whole - left).abs()))
+}
+
+/// Couplings of `lines` while the `held` ones keep their velocity: `D_UU - D_UH D_HH^-1 D_HU`.
+pub(crate) fn reduced_couplings(
+    view: &View<'_>,
+    held: &[Line],
+    lines: &[Line],
+) -> Result<Vec<f64>, ModeError> {
+    let mut matrix = view.couplings(lines);
+    if held.is_empty() {
+        return Ok(matrix);
+    }
+    let couplings = view.couplings(held);
+    let mut factors = couplings.clone();
+    let mut pivots = vec![0; held.len()];
+    let independent = dense::factorize_independent(&mut factors, &mut pivots);
+    for (column, &j) in lines.iter().enumerate() {
+        let mut response: Vec<f64> = held.iter().map(|&h| view.coupling(h, j)).collect();
+        if independent {
+            dense::solve(&factors, &pivots, &mut response);
+        } else {
+            response = Shares::of(view, held, &couplings, &response)?.forces;
+        }
+        for (row, &i) in lines.iter().enumerate() {
+            let through: f64 = held
+                .iter()
+                .zip(&response)
+                .map(|(&h, value)| view.coupling(i, h) * value)
+                .sum();
+            matrix[row * lines.len() + column] -= through;
+        }
+    }
+    Ok(matrix)
 }
 
 /// The forces on lines that give them the motion `right`, which they replace: the only ones, or the smallest of many.

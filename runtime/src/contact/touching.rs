@@ -88,6 +88,19 @@ impl Touching {
         })
     }
 
+    /// The switch that may slide and holds its zero the least, or pushes away from it: couplings of switches have no symmetry that would leave
+    /// one motion.
+    pub(crate) fn parting(&self, view: &View<'_>) -> Option<usize> {
+        let switches = self
+            .contacts
+            .iter()
+            .enumerate()
+            .filter(|&(slot, &i)| view.switch_of(i).is_some() && self.tangent(slot).is_some());
+        let holds = |i: usize| view.coupling(Line::tangent(i), Line::tangent(i));
+        let switches = switches.map(|(_, &i)| i);
+        switches.min_by(|&i, &j| holds(i).total_cmp(&holds(j)))
+    }
+
     /// The problem of the law for lines that move by `offsets` without forces.
     pub(super) fn problem<'p>(&'p self, matrix: &'p [f64], offsets: &'p [f64]) -> Problem<'p> {
         Problem {

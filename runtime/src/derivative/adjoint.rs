@@ -9,9 +9,9 @@
 //! One direction of all quantities is carried forward on the way. What has no derivative is found by it, and the derivative along
 //! it has to be what the rows give: where it is not, there is no answer, and forward sensitivities are taken.
 
-use super::mode::Acceleration;
 use super::quantities::Quantities;
-use super::tangent::{Layout, Tangent, add, dot};
+use super::step::Steps;
+use super::tangent::{Tangent, add, dot};
 use super::tape::Tape;
 use super::walk::{End, Walk};
 use crate::model::Model;
@@ -21,6 +21,11 @@ use crate::simulation::{InitialValueProblem, Simulation};
 const ROUNDING: f64 = 1e-8;
 /// Steps of the shares of quantities in the direction that is carried forward: the golden ratio, whose multiples keep apart.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Stages of the coarser steps that tell the error: few enough that what their order takes away is far above rounding. Chosen.
+const COARSE: usize = 5;
+/// Share of the largest value below which a change by as much as a quantity is none: what runs promise by default.
+const SEEN: f64 = 1e-6;
 
 /// A value at the end of a motion, or the time of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,13 +60,9 @@ pub(super) fn adjoint(
     values: impl Iterator<Item = Value>,
 ) -> Option<Vec<Vec<f64>>> {
     let layout = start.layout;
-    let lean = quantities.lean(model);
-    let lean = lean.map(|known| Acceleration::new(model, (known, Layout::of(model, 1))));
     let shares = shares(&quantities.sizes(model, motion.0));
-    let direction = ["one direction of all".to_owned()];
-    let along = (start.along(&shares), &direction[..]);
-    let mut walk = Walk::new(model, motion, quantities, along)?;
-    walk.tape = Some(Tape::new(lean));
+    let mut walk = along(model, motion, (quantities, start), &shares)?;
+    walk.tape = Some(Tape::default());
     if !walk.run() {
         return None;
     }
@@ -87,6 +88,58 @@ pub(super) fn adjoint(
         ((dot(&by, &shares) - forward).abs() <= ROUNDING * size).then_some(by)
     };
     values.map(row).collect()
+}
+
+/// How far derivatives of `values`, a row each, are off along one direction of those quantities by which there are all, as a share of the sum of
+/// the sizes of their terms, if that is seen in the value: by where coarser steps lead. `None` where these lead nowhere.
+pub(super) fn error<'v>(
+    model: &dyn Model,
+    motion: (&InitialValueProblem, &Simulation),
+    (quantities, start): (&Quantities, &Tangent),
+    values: impl Iterator<Item = (Value, &'v [f64])> + Clone,
+) -> Option<f64> {
+    let mut shares = shares(&quantities.sizes(model, motion.0));
+    for (k, share) in shares.iter_mut().enumerate() {
+        if values.clone().any(|(_, by)| !by[k].is_finite()) {
+            *share = 0.0;
+        }
+    }
+    let mut walk = along(model, motion, (quantities, start), &shares)?;
+    walk.at.steps = Steps::of(COARSE)?;
+    if !walk.run() {
+        return None;
+    }
+    let end = walk.end();
+    let off = values.map(|(value, by)| {
+        let terms = by.iter().zip(&shares).filter(|(_, share)| **share > 0.0);
+        let terms = terms.map(|(by, share)| by * share);
+        let size: f64 = terms.clone().map(f64::abs).sum();
+        let least = match value {
+            Value::State(i) => walk.at.sizes[i / start.layout.n],
+            Value::EventTime(_) => motion.0.horizon,
+            Value::Objective | Value::Output(_) => 0.0,
+        };
+        let coarse = value.of(&end, &walk.event_times)?[0];
+        Some((coarse - terms.sum::<f64>()).abs() / size.max(SEEN * least))
+    });
+    // What is 0 of 0 is exact.
+    let off = off
+        .collect::<Option<Vec<f64>>>()?
+        .into_iter()
+        .fold(0.0, f64::max);
+    Some(off + motion.1.error_estimate.unwrap_or_default().max(walk.missed))
+}
+
+/// A walk with the one direction in which quantities change by these shares.
+fn along<'w>(
+    model: &'w dyn Model,
+    (problem, run): (&'w InitialValueProblem, &'w Simulation),
+    (quantities, start): (&Quantities, &Tangent),
+    shares: &[f64],
+) -> Option<Walk<'w>> {
+    let direction = ["one direction of all".to_owned()];
+    let begin = (start.along(shares), &direction[..]);
+    Walk::new(model, (problem, run), quantities, begin)
 }
 
 /// Shares of quantities of these sizes in one direction, which no relation between them is likely to have.

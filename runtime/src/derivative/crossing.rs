@@ -2,7 +2,7 @@
 
 use super::event::{Cause, cause};
 use super::existence::Existence;
-use super::jump::{Impact, ended, jump, modes_of, struck_alone};
+use super::jump::{Impact, ended, jump, struck_alone};
 use super::place::{Place, ROUNDING};
 use super::ranges::Ranges;
 use super::reset;
@@ -41,32 +41,23 @@ impl Crossing<'_, '_> {
         let when = |event: &&Event| event.kind == EventKind::When;
         let conditions: Vec<usize> = events.iter().filter(when).map(|e| e.contact).collect();
         let mut x = x_before.to_vec();
-        let mut first = 0;
-        while let Some(&condition) = conditions.get(first) {
-            if !self.at.holds(condition, (&x, time)) {
+        let mut late = &conditions[..];
+        loop {
+            let mut holds = |&&condition: &&usize| self.at.holds(condition, (&x, time));
+            let count = late.iter().take_while(&mut holds).count();
+            if count == 0 {
                 break;
             }
-            reset::set(
-                &self.at.acceleration,
-                condition,
-                (&mut x, &mut *self.tangent),
-            );
-            first += 1;
+            self.set(&late[..count], &mut x);
+            late = &late[count..];
         }
-        let late = &conditions[first..];
         let behind = reset::before(&self.at.acceleration, late, (&x, x_after));
         let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
         if jumps || self.at.velocities_differ(&x, &behind, ROUNDING) {
             self.strike(&x, &behind)?;
             x = behind;
         }
-        for &condition in late {
-            reset::set(
-                &self.at.acceleration,
-                condition,
-                (&mut x, &mut *self.tangent),
-            );
-        }
+        self.set(late, &mut x);
         if self.at.velocities_differ(&x, x_after, MISSED) {
             return Err(format!(
                 "at t = {time} s `{}` sets something together with another event: which of them is first for other parameters is not known",
@@ -74,6 +65,12 @@ impl Crossing<'_, '_> {
             ));
         }
         Ok(())
+    }
+
+    /// What conditions set, all of them from `x`.
+    fn set(&mut self, conditions: &[usize], x: &mut [f64]) {
+        let by = (x, &mut *self.tangent);
+        reset::set(&self.at.acceleration, conditions, by);
     }
 
     /// What an impact changes.
@@ -95,6 +92,16 @@ impl Crossing<'_, '_> {
             struck: &struck,
             time: self.at.time(self.k),
         };
+        let declared = self.at.acceleration.model.declaration().contacts;
+        if let Some(contact) = struck.iter().find(|&&i| declared[i].sequence)
+            && struck.len() > 1
+        {
+            return Err(format!(
+                "at t = {} s `{}` and others are struck one after the other (`in sequence`), and derivatives know impacts at once alone; \
+                 take differences of two simulations, or leave out `in sequence`",
+                impact.time, declared[*contact].name
+            ));
+        }
         let jump = jump(&mut self.at.acceleration, self.tangent, &impact)?;
         if let Some(ranges) = &mut self.ranges {
             let by = (&*self.tangent, &jump);
@@ -171,12 +178,6 @@ impl Crossing<'_, '_> {
             struck: &contacts_of(events),
             time: events[0].time,
         };
-        let mut laws = modes_of(&mut self.at.acceleration, &all);
-        for (contact, law) in laws.iter_mut().enumerate() {
-            if self.at.is_closed(contact) && !all.struck.contains(&contact) {
-                *law = self.at.modes[contact];
-            }
-        }
         let ended = ended(&mut self.at.acceleration, &all);
         for &place in order {
             let event = found[place].event;
@@ -184,7 +185,7 @@ impl Crossing<'_, '_> {
                 return None;
             }
             let rates = self.at.rates(&x, control_rates);
-            let cause = cause(self.at, &x, event, (&rates, &tangent))?;
+            let cause = cause(self.at, &x, event, ([&rates, &rates], &tangent))?;
             tangent.shift(&rates, &cause.times, 1.0);
             match event.kind {
                 EventKind::Impact => {
@@ -192,7 +193,7 @@ impl Crossing<'_, '_> {
                         (0..after.len()).filter(|&i| self.at.is_closed(i) || i == event.contact);
                     let struck: Vec<usize> = closed.collect();
                     let of = (&struck[..], &ended[..]);
-                    let behind = struck_alone(&mut self.at.acceleration, of, &laws, &x)?;
+                    let behind = struck_alone(&mut self.at.acceleration, of, &x)?;
                     let impact = Impact {
                         before: &x,
                         after: &behind,
@@ -204,7 +205,11 @@ impl Crossing<'_, '_> {
                     x = behind;
                 }
                 EventKind::When => {
-                    reset::set(&self.at.acceleration, event.contact, (&mut x, &mut tangent));
+                    reset::set(
+                        &self.at.acceleration,
+                        &[event.contact],
+                        (&mut x, &mut tangent),
+                    );
                 }
                 _ => {}
             }

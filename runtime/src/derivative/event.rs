@@ -34,8 +34,9 @@ pub(super) struct Cause<'e> {
     pub(super) grazed: Vec<bool>,
 }
 
-/// Rates of everything along the motion before an event, and derivatives at a fixed time.
-type Before<'b> = (&'b [f64], &'b Tangent);
+/// Rates of everything along the motion before an event, those that derivatives have ([`Walk::flow`](super::walk::Walk)), and derivatives at a
+/// fixed time.
+type Before<'b> = ([&'b [f64]; 2], &'b Tangent);
 
 /// How the times of the events found together change, of those that something of their own causes. The acceleration is evaluated in the mode
 /// before.
@@ -65,7 +66,7 @@ pub(super) fn cause<'e>(
     at: &mut Place<'_>,
     x: &[f64],
     event: &'e Event,
-    (rates, tangent): Before<'_>,
+    ([rates, flow], tangent): Before<'_>,
 ) -> Option<Cause<'e>> {
     let zero = zero(at, x, event)?;
     if zero.value.abs() > VANISHED * zero.size {
@@ -81,6 +82,7 @@ pub(super) fn cause<'e>(
             *change = 0.0;
         }
     } else {
+        let rate = tangent.layout.rate(&zero.by, flow).0;
         times.iter_mut().for_each(|change| *change /= -rate);
     }
     Some(Cause {

@@ -4,7 +4,7 @@
 use super::event::Cause;
 use super::margins::{Least, Margin, Of};
 use super::place::{Place, ROUNDING};
-use super::tangent::{Layout, Tangent, largest};
+use super::tangent::{Layout, Tangent, add, largest};
 use crate::contact::Line;
 use crate::model::contact_point;
 use crate::simulation::Event;
@@ -209,6 +209,7 @@ impl Existence {
             if margin.value > ROUNDING * margin.size {
                 continue;
             }
+            let rests = (margin.rate * at.problem.horizon).abs() <= ROUNDING * margin.size;
             let place = (margin.contact, margin.of);
             let known = self.vanished.iter().find(|(known, _)| *known == place);
             let since = known.map_or(at.time(k), |(_, since)| *since);
@@ -218,7 +219,7 @@ impl Existence {
                 Of::Force | Of::Left(_) => lasts,
                 _ if ends.is_some() && falls => true,
                 Of::Gap => start || lasts,
-                Of::Sliding(_) if margin.resets => false,
+                Of::Sliding(_) if margin.resets => start && falls && !rests,
                 Of::Sliding(_) if at.acceleration.passes(margin.contact) => {
                     let x = at.input(k);
                     lasts || start && at.jumps(margin.contact, &x)
@@ -248,6 +249,41 @@ impl Existence {
             );
         }
         self.vanished = vanished;
+    }
+
+    /// Loses the columns by which something that rests on its edge at the start begins on the other side, by the margins where the first step
+    /// begins and where it ends, at instant `k`, and the derivatives `before` it.
+    pub(super) fn check_edges(
+        &mut self,
+        at: &mut Place<'_>,
+        [begin, end]: [&[Margin]; 2],
+        (k, before): (usize, &Tangent),
+    ) {
+        let horizon = at.problem.horizon;
+        let vanishes = |value: f64, margin: &Margin| value.abs() <= ROUNDING * margin.size;
+        for (from, to) in begin.iter().zip(end) {
+            let rests = vanishes(from.value, from) && vanishes(from.rate * horizon, from);
+            let crosses = matches!(from.of, Of::Sliding(_)) && rests && !vanishes(to.value, to);
+            // Against a condition that holds the velocity is negative.
+            let matters = crosses
+                && match from.resets {
+                    true => to.of == Of::Sliding(-1.0),
+                    false => at.jumps(from.contact, &at.input(k)),
+                };
+            if !matters {
+                continue;
+            }
+            let (changes, sizes) = (before.of(&from.by), before.sizes(&from.by));
+            let mut moves = vec![0.0; changes.len()];
+            for (i, by) in from.by[..before.layout.n].iter().enumerate() {
+                add(&mut moves, *by, before.all.row(before.layout.n + i));
+            }
+            let changed = (0..moves.len())
+                .map(|column| changes[column].abs() > HELD * sizes[column] || moves[column] != 0.0);
+            let changed: Vec<bool> = changed.collect();
+            let name = at.name_of(from.contact);
+            self.lose_by_margin(name, from, (at.time(0), false), &changed);
+        }
     }
 
     /// Loses the columns by which a margin changes whose least value within a step vanishes; whether it does.

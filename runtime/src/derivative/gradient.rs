@@ -1,6 +1,6 @@
 //! A motion's derivatives, by name.
 
-use super::adjoint::{Value, adjoint};
+use super::adjoint::{Value, adjoint, error};
 use super::quantities::Quantities;
 use super::ranges::{Ranges, SequenceRange};
 use super::samples::Samples;
@@ -61,6 +61,9 @@ pub struct Gradient {
     /// Of the objective that the scene declares with `minimize`, along this motion; none without one, without derivatives, and
     /// where it reads contact forces or impulses.
     pub objective: Option<Vec<f64>>,
+    /// How far derivatives may be off, as a share of the largest change of each value that they tell of: by how much coarser steps change them
+    /// along one direction, and the error of the motion. `None` where that is not known.
+    pub error_estimate: Option<f64>,
     /// How far each quantity may go until the motion has another sequence of events, to first order; none without derivatives, and
     /// in [`GradientMode::Adjoint`].
     pub ranges: Vec<SequenceRange>,
@@ -75,7 +78,7 @@ pub struct Gradient {
 /// Differentiates a motion that `model` has from the start of `problem`, as a simulator that locates events found it, by the
 /// quantities of these names; `all` stands for all parameters.
 ///
-/// The derivatives are those of the motion, as accurate as its states are.
+/// The derivatives are those of the motion, about as accurate as its states are: [`Gradient::error_estimate`].
 ///
 /// # Errors
 /// [`InputError`] for names that are unknown, and for scenes whose derivatives are not known.
@@ -139,7 +142,9 @@ pub fn differentiate_values(
         };
     };
     let objective = chosen().position(|value| value == Value::Objective);
+    let known = chosen().zip(rows.iter().map(Vec::as_slice));
     Ok(Gradient {
+        error_estimate: error(model, (problem, run), from, known),
         objective: objective.map(|place| rows[place].clone()),
         mode: GradientMode::Adjoint,
         values: of.iter().cloned().zip(rows).collect(),
@@ -160,11 +165,23 @@ impl Gradient {
             states: Vec::new(),
             outputs: Vec::new(),
             objective: None,
+            error_estimate: None,
             ranges: Vec::new(),
             obstacle: None,
             obstacles: vec![None; names.len()],
             one_sided: None,
         }
+    }
+
+    /// Its rows, and what each is of.
+    fn rows(&self) -> impl Iterator<Item = (Value, &[f64])> + Clone {
+        let states = self.q.iter().chain(&self.v).enumerate();
+        let states = states.map(|(i, by)| (Value::State(i), &by[..]));
+        let times = self.event_times.iter().enumerate();
+        let times = times.map(|(k, by)| (Value::EventTime(k), &by[..]));
+        let objective = self.objective.iter();
+        let objective = objective.map(|by| (Value::Objective, &by[..]));
+        states.chain(times).chain(objective)
     }
 }
 
@@ -305,6 +322,9 @@ fn forward(
         for (output, rows) in gradient.outputs.iter_mut().enumerate() {
             rows[k] = values.row(output).to_vec();
         }
+    }
+    if !walk.existence.is_over() {
+        gradient.error_estimate = error(model, motion, (quantities, start), gradient.rows());
     }
     gradient.obstacles = walk.existence.lost;
     gradient.obstacle = gradient.obstacles.iter().flatten().next().cloned();

@@ -9,7 +9,7 @@
 use super::mode::Acceleration;
 use super::outputs::of_contacts;
 use super::tangent::{Matrix, Tangent, add, largest};
-use crate::contact::{Line, dot};
+use crate::contact::{Line, dot, impact};
 use crate::model::tangent_point;
 use crate::simulation::{ContactMode, Direction};
 
@@ -78,7 +78,7 @@ pub(super) fn jump(
     let n = acceleration.n;
     let v = |x: &[f64]| x[n..2 * n].to_vec();
     let (v_before, v_after) = (v(impact.before), v(impact.after));
-    let earlier = conditions_before(acceleration, moved, impact);
+    let earlier = conditions_before(acceleration, moved, impact)?;
     let modes = modes_of(acceleration, impact);
     acceleration.set_mode(&modes);
     acceleration.keep_independent(impact.after);
@@ -167,23 +167,33 @@ fn place(moved: &Tangent, by: &[f64]) -> Vec<f64> {
 
 /// What each normal velocity after the impact must change by against its sign, because of that before: the change of
 /// `e v_n-`.
+///
+/// # Errors
+/// Where a velocity after the impact is another one, as of impacts one after the other.
 fn conditions_before(
     acceleration: &mut Acceleration<'_>,
     moved: &Tangent,
     impact: &Impact<'_>,
-) -> Matrix {
+) -> Result<Matrix, String> {
     let contacts = acceleration.model.declaration().contacts.len();
     let mut earlier = Matrix::zeros(contacts, moved.all.columns);
     let mut by_parameters = vec![0.0; acceleration.layout.parameters];
     let ended = ended(acceleration, impact);
+    let n = acceleration.n;
+    let fastest = largest(&impact.before[n..2 * n]);
     for &contact in impact
         .struck
         .iter()
         .filter(|contact| !ended.contains(contact))
     {
+        let returned = acceleration.normal_velocity(contact, impact.after).0;
         let (speed, by) = acceleration.normal_velocity(contact, impact.before);
         let change = moved.of(by);
+        let least = MISSED * fastest * largest(&by[n..2 * n]);
         let e = acceleration.model.restitution(contact);
+        if (returned + e * speed).abs() > least {
+            return Err(together(impact.time));
+        }
         acceleration
             .derivatives
             .restitution(contact, &mut by_parameters);
@@ -191,55 +201,29 @@ fn conditions_before(
         add(row, e, &change);
         add(row, speed, &moved.of_parameters(&by_parameters));
     }
-    earlier
+    Ok(earlier)
 }
 
-/// The velocities that contacts which strike, or are closed, leave by the law, where their modes are these afterwards and `ended` of them do
-/// not bounce; none if one of them would pull.
+/// The velocities that contacts which strike, or are closed, leave by the law, where `ended` of them do not bounce; none where it has no solution.
 pub(super) fn struck_alone(
     acceleration: &mut Acceleration<'_>,
     (struck, ended): (&[usize], &[usize]),
-    modes: &[ContactMode],
     before: &[f64],
 ) -> Option<Vec<f64>> {
     let n = acceleration.n;
-    let in_impact = |(contact, &mode): (usize, &ContactMode)| match mode {
-        ContactMode::Open if struck.contains(&contact) => ContactMode::Frictionless,
-        mode if struck.contains(&contact) => mode,
-        _ => ContactMode::Open,
-    };
-    let modes: Vec<ContactMode> = modes.iter().enumerate().map(in_impact).collect();
-    acceleration.set_mode(&modes);
-    acceleration.keep_independent(before);
-    acceleration.load(before, false);
-    let factors = acceleration.factors()?;
-    let right = acceleration.lines.iter().map(|&line| {
-        let speed = acceleration.velocity(line).0;
-        match line {
-            Line::Normal { contact, .. } if !ended.contains(&contact) => {
-                -(1.0 + acceleration.model.restitution(contact)) * speed.min(0.0) - speed.max(0.0)
-            }
-            _ => -speed,
-        }
-    });
-    let mut impulses: Vec<f64> = right.collect();
-    let least = -MISSED * largest(&impulses);
-    factors.solve(&mut impulses);
-    let mut after = before.to_vec();
-    for (&line, &impulse) in acceleration.lines.iter().zip(&impulses) {
-        if matches!(line, Line::Normal { .. }) && impulse < least {
-            return None;
-        }
-        acceleration.push(line, impulse, &mut after[n..2 * n]);
+    let mut restitution = Vec::with_capacity(struck.len());
+    for contact in struck {
+        acceleration.load_contact(*contact, before);
+        let bounces = !ended.contains(contact);
+        restitution.push(f64::from(u8::from(bounces)) * acceleration.model.restitution(*contact));
     }
+    let mut after = before.to_vec();
+    impact::strike(acceleration, struck, &restitution, &mut after[n..2 * n]).ok()?;
     Some(after)
 }
 
 /// What the struck contacts do in the impact, by how they leave it.
-pub(super) fn modes_of(
-    acceleration: &mut Acceleration<'_>,
-    impact: &Impact<'_>,
-) -> Vec<ContactMode> {
+fn modes_of(acceleration: &mut Acceleration<'_>, impact: &Impact<'_>) -> Vec<ContactMode> {
     let (n, model) = (acceleration.n, acceleration.model);
     let declared = model.declaration().contacts;
     let mut modes = vec![ContactMode::Open; declared.len()];

@@ -3,7 +3,7 @@
 use super::cost::Cost;
 use super::mode::{Acceleration, input};
 use super::quantities::Quantities;
-use super::step::{At, Step, Steps};
+use super::step::{At, STAGES, Step, Steps};
 use super::tangent::largest;
 use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{ContactMode, Direction, InitialValueProblem, Simulation};
@@ -45,7 +45,7 @@ impl<'w> Place<'w> {
         Some(Self {
             acceleration: Acceleration::new(model, (derivatives.clone(), layout)),
             cost: Cost::of(model, derivatives, layout),
-            steps: Steps::new()?,
+            steps: Steps::of(STAGES)?,
             modes: run.initial_modes.clone(),
             closing_speeds,
             gap_sizes,

@@ -9,30 +9,40 @@
 use super::mode::Acceleration;
 use super::tangent::{Matrix, Tangent};
 
-/// The derivatives of the velocities that a condition leaves.
-fn derivatives(acceleration: &Acceleration<'_>, condition: usize, x: &[f64]) -> Matrix {
-    let mut by = Matrix::zeros(acceleration.n, acceleration.columns);
-    acceleration.derivatives.reset(condition, x, &mut by.values);
-    by
-}
-
-/// Sets what a condition asks for, in the input vector `x` and in the derivatives at an instant that moves along.
-pub(super) fn set(
+/// The velocities that a condition sets at `x`: which, and each with its derivatives.
+fn set_by(
     acceleration: &Acceleration<'_>,
     condition: usize,
-    (x, moved): (&mut [f64], &mut Tangent),
-) {
+    x: &[f64],
+) -> Vec<(usize, f64, Vec<f64>)> {
     let n = acceleration.n;
-    let by = derivatives(acceleration, condition, x);
+    let mut by = Matrix::zeros(n, acceleration.columns);
+    acceleration.derivatives.reset(condition, x, &mut by.values);
     let mut velocities = x[n..2 * n].to_vec();
     acceleration.model.reset(condition, x, &mut velocities);
-    x[n..2 * n].copy_from_slice(&velocities);
-    let before = moved.clone();
-    for k in 0..n {
-        moved
-            .all
-            .row_mut(n + k)
-            .copy_from_slice(&before.of(by.row(k)));
+    let keeps = |k: usize| {
+        let own = |column: usize| f64::from(u8::from(column == n + k));
+        let mut row = by.row(k).iter().enumerate();
+        velocities[k] == x[n + k] && row.all(|(column, by)| *by == own(column))
+    };
+    (0..n)
+        .filter(|&k| !keeps(k))
+        .map(|k| (n + k, velocities[k], by.row(k).to_vec()))
+        .collect()
+}
+
+/// Sets what conditions ask for, all of them from the input vector `x`, there and in the derivatives at an instant that moves along.
+pub(super) fn set(
+    acceleration: &Acceleration<'_>,
+    conditions: &[usize],
+    (x, moved): (&mut [f64], &mut Tangent),
+) {
+    let (at, before) = (x.to_vec(), moved.clone());
+    for &condition in conditions {
+        for (place, value, by) in set_by(acceleration, condition, &at) {
+            x[place] = value;
+            moved.all.row_mut(place).copy_from_slice(&before.of(&by));
+        }
     }
 }
 
@@ -43,15 +53,10 @@ pub(super) fn before(
     late: &[usize],
     (x, x_after): (&[f64], &[f64]),
 ) -> Vec<f64> {
-    let n = acceleration.n;
     let mut before = x_after.to_vec();
     for &condition in late {
-        let by = derivatives(acceleration, condition, x);
-        for k in 0..n {
-            let keeps = |(column, by): (usize, &f64)| *by == f64::from(u8::from(column == n + k));
-            if !by.row(k).iter().enumerate().all(keeps) {
-                before[n + k] = x[n + k];
-            }
+        for (place, _, _) in set_by(acceleration, condition, x) {
+            before[place] = x[place];
         }
     }
     before

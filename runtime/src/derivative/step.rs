@@ -14,7 +14,7 @@ use crate::model::ControlPiece;
 use crate::rk::{ButcherTableau, Scheme};
 
 /// Stages of a step: one more than the finest elements of a run have, so that the error of the run is what counts.
-const STAGES: usize = 7;
+pub(super) const STAGES: usize = 7;
 /// Newton iterations of a step with derivatives of all stages.
 const MOST_ITERATIONS: usize = 8;
 /// Relative change that is rounding where changes get no smaller.
@@ -51,6 +51,9 @@ impl Step<'_> {
 /// The steps of a motion.
 pub(super) struct Steps {
     tableau: ButcherTableau,
+    /// Stages of which the last is no end, for steps to where a root vanishes, whose slope is infinite there; taken while it is `inside`.
+    other: ButcherTableau,
+    inside: bool,
     /// Accelerations of the stages, and of each the input vector and the derivatives of the acceleration.
     stages: Vec<f64>,
     inputs: Vec<Vec<f64>>,
@@ -65,6 +68,7 @@ pub(super) struct Steps {
 /// What is linear in a step that was solved: its Newton matrix, and the derivatives of its stages.
 pub(super) struct Linear {
     h: f64,
+    inside: bool,
     factors: Factors,
     /// Of the acceleration, by stage.
     by: Vec<Matrix>,
@@ -73,9 +77,12 @@ pub(super) struct Linear {
 }
 
 impl Steps {
-    pub(super) fn new() -> Option<Self> {
+    /// With so many stages a step.
+    pub(super) fn of(stages: usize) -> Option<Self> {
         Some(Self {
-            tableau: ButcherTableau::new(Scheme::RadauIia, STAGES)?,
+            tableau: ButcherTableau::new(Scheme::RadauIia, stages)?,
+            other: ButcherTableau::new(Scheme::GaussLegendre, stages)?,
+            inside: false,
             stages: Vec::new(),
             inputs: Vec::new(),
             by: Vec::new(),
@@ -95,10 +102,10 @@ impl Steps {
         cost: Option<&Cost<'_>>,
     ) -> Option<[f64; 2]> {
         let factors = match lean {
-            None => self.solve(acceleration, step)?,
+            None => self.solve_inside(acceleration, step)?,
             Some(lean) => {
                 lean.lines.clone_from(&acceleration.lines);
-                let factors = self.solve(lean, step)?;
+                let factors = self.solve_inside(lean, step)?;
                 self.by.clear();
                 for x in &self.inputs {
                     if !acceleration.evaluate(x) {
@@ -134,6 +141,7 @@ impl Steps {
         let cost_by = cost.map(|cost| inputs.filter_map(|x| cost.running(x)));
         Linear {
             h: step.length(),
+            inside: self.inside,
             factors: std::mem::take(&mut self.factors),
             by: std::mem::take(&mut self.by),
             cost_by: cost_by.map(Iterator::collect).unwrap_or_default(),
@@ -150,8 +158,9 @@ impl Steps {
     ///
     /// and what else accelerations read gains its own part; running costs add their own terms to each.
     pub(super) fn back(&self, linear: &Linear, layout: Layout, to: &mut [f64]) {
-        let (n, h, stages) = (layout.n, linear.h, self.tableau.stages());
-        let tableau = &self.tableau;
+        let known = linear.inside == self.inside;
+        let tableau = if known { &self.tableau } else { &self.other };
+        let (n, h, stages) = (layout.n, linear.h, tableau.stages());
         let (b, b_times_a, c) = (tableau.b(), tableau.b_times_a(), tableau.c());
         let cost = to[layout.cost()];
         let mut nu = vec![0.0; n * stages];
@@ -185,13 +194,32 @@ impl Steps {
         }
     }
 
+    /// Solves for the accelerations of the stages, of others where they are not finite at the end.
+    fn solve_inside(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        step: Step<'_>,
+    ) -> Option<Factors> {
+        for inside in [false, true] {
+            if self.inside != inside {
+                std::mem::swap(&mut self.tableau, &mut self.other);
+                self.inside = inside;
+            }
+            let factors = self.solve(acceleration, step);
+            if factors.is_some() {
+                return factors;
+            }
+        }
+        None
+    }
+
     /// Solves the motion of the step without derivatives. The largest distances at its end as of [`step`](Self::step).
     pub(super) fn values(
         &mut self,
         acceleration: &mut Acceleration<'_>,
         step: Step<'_>,
     ) -> Option<[f64; 2]> {
-        self.solve(acceleration, step)?;
+        self.solve_inside(acceleration, step)?;
         Some(self.missed(acceleration.n, step))
     }
 

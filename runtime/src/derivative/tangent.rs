@@ -75,7 +75,7 @@ impl Factors {
 }
 
 /// Which row of a [`Tangent`] is what: the coordinates and velocities, the controls, the time, the parameters, the normal and then the
-/// tangential impulses of all contacts so far, and the integral of the running cost.
+/// tangential impulses of all contacts so far, the integral of the running cost, and the time of the last event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
     /// Coordinates.
@@ -119,9 +119,14 @@ impl Layout {
         self.impulses() + 2 * self.contacts
     }
 
+    /// The row of the time of the last event.
+    pub(super) fn last_event(&self) -> usize {
+        self.cost() + 1
+    }
+
     /// Number of rows.
     pub(super) fn rows(&self) -> usize {
-        self.cost() + 1
+        self.last_event() + 1
     }
 
     /// Number of the columns that derivatives of a function of the scene have: its inputs and the parameters.

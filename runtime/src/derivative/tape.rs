@@ -1,13 +1,11 @@
 //! What is linear along a motion: its steps, and what events change of derivatives.
 
-use super::mode::Acceleration;
 use super::step::{Linear, Steps};
-use super::tangent::{Layout, Matrix, add};
+use super::tangent::{Layout, Matrix, add, dot};
 
 /// The linear parts of a walk, in their order.
-pub(super) struct Tape<'w> {
-    /// Acceleration that knows its derivatives by the state only, for Newton's method, if that pays.
-    pub(super) lean: Option<Acceleration<'w>>,
+#[derive(Default)]
+pub(super) struct Tape {
     passed: Vec<Passed>,
     /// Of each event, how many parts there are before it, and how its time changes with everything there.
     times: Vec<(usize, Vec<f64>)>,
@@ -18,18 +16,11 @@ enum Passed {
     Step(Linear),
     /// Rows that an event has changed, with a column for each row before it.
     Change(Vec<(usize, Vec<f64>)>),
+    /// What each row gains for a change of the time of the last event.
+    Moved(Vec<f64>),
 }
 
-impl<'w> Tape<'w> {
-    /// Nothing yet.
-    pub(super) fn new(lean: Option<Acceleration<'w>>) -> Self {
-        Self {
-            lean,
-            passed: Vec::new(),
-            times: Vec::new(),
-        }
-    }
-
+impl Tape {
     /// Keeps a step.
     pub(super) fn step(&mut self, linear: Linear) {
         self.passed.push(Passed::Step(linear));
@@ -44,6 +35,11 @@ impl<'w> Tape<'w> {
         };
         let rows = (0..change.columns).filter_map(own);
         self.passed.push(Passed::Change(rows.collect()));
+    }
+
+    /// Keeps what each row has gained for a change of the time of the last event.
+    pub(super) fn moved(&mut self, by: Vec<f64>) {
+        self.passed.push(Passed::Moved(by));
     }
 
     /// Keeps how the time of the event that comes next changes with everything.
@@ -66,6 +62,7 @@ impl<'w> Tape<'w> {
         for passed in self.passed[..behind].iter().rev() {
             match passed {
                 Passed::Step(linear) => steps.back(linear, layout, &mut to),
+                Passed::Moved(by) => to[layout.last_event()] += dot(by, &to),
                 Passed::Change(rows) => {
                     let take = |(i, _): &(usize, Vec<f64>)| std::mem::take(&mut to[*i]);
                     let weights: Vec<f64> = rows.iter().map(take).collect();

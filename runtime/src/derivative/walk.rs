@@ -9,13 +9,15 @@ use super::event::{Cause, causes};
 use super::existence::{DRIFT, Existence, HELD};
 use super::joint_rows::JointRows;
 use super::margins::{Margin, least, margins};
+use super::mode::Acceleration;
 use super::outputs::outputs;
 use super::place::{Place, ROUNDING};
 use super::projection::project;
 use super::quantities::Quantities;
 use super::ranges::Ranges;
 use super::samples::Samples;
-use super::tangent::{Matrix, Tangent, largest};
+use super::step::stage_input;
+use super::tangent::{Layout, Matrix, Tangent, add, largest};
 use super::tape::Tape;
 use crate::model::Model;
 use crate::simulation::{Event, InitialValueProblem, Simulation};
@@ -30,10 +32,15 @@ pub(super) struct Walk<'w> {
     pub(super) at: Place<'w>,
     /// Derivatives at present, at a fixed time.
     pub(super) tangent: Tangent,
+    /// Rates of everything along the motion, carried as one more column of derivatives: what steps miss where forces have roots of what
+    /// vanishes at an event they miss of both, and nothing of derivatives at an instant that moves with the event.
+    flow: Tangent,
     pub(super) existence: Existence,
     joints: Option<JointRows<'w>>,
     /// How the horizon changes with the parameters.
     horizon: Vec<f64>,
+    /// What the motion itself is off, as a share of the largest values: distances of steps from it, which add like those of a random walk.
+    pub(super) missed: f64,
     /// Margins at the start of the step that comes, and the derivatives there.
     begin: Option<(Vec<Margin>, Tangent)>,
     /// Derivatives of the times of the events passed.
@@ -47,7 +54,9 @@ pub(super) struct Walk<'w> {
     /// How far quantities may go, if that is asked for.
     pub(super) ranges: Option<Ranges>,
     /// What is linear on the way, where the walk goes back.
-    pub(super) tape: Option<Tape<'w>>,
+    pub(super) tape: Option<Tape>,
+    /// Acceleration that knows its derivatives by the state only, for Newton's method, if that pays.
+    lean: Option<Acceleration<'w>>,
 }
 
 impl<'w> Walk<'w> {
@@ -59,10 +68,15 @@ impl<'w> Walk<'w> {
         (tangent, names): (Tangent, &[String]),
     ) -> Option<Self> {
         let at = Place::at_start(model, (problem, run), quantities)?;
+        // Of one column few derivatives are asked for.
+        let lean = (tangent.all.columns == 1).then(|| quantities.lean(model));
+        let lean = lean.flatten();
         Some(Self {
             joints: JointRows::of(model, at.acceleration.columns),
             at,
             horizon: quantities.horizon(model, problem),
+            missed: 0.0,
+            flow: Tangent::zeros(tangent.layout, 1),
             tangent,
             existence: Existence::of(names),
             begin: None,
@@ -72,6 +86,7 @@ impl<'w> Walk<'w> {
             samples: None,
             ranges: None,
             tape: None,
+            lean: lean.map(|known| Acceleration::new(model, (known, Layout::of(model, 1)))),
         })
     }
 
@@ -86,7 +101,7 @@ impl<'w> Walk<'w> {
     fn walk(&mut self) -> Result<(), String> {
         let run = self.at.run;
         let times = &run.trajectory.time;
-        let (mut first, mut passed) = (0, 0);
+        let (mut first, mut passed, mut middle) = (0, 0, 0.0);
         self.at.enter(0)?;
         if let Some(samples) = &mut self.samples {
             samples.begin(&self.at, &self.tangent);
@@ -98,12 +113,10 @@ impl<'w> Walk<'w> {
             let events = &run.events[passed..passed + here];
             passed += here;
             if last > first {
-                self.at.evaluate(first)?;
                 self.record(first..last);
             }
             let ends = last + 1 == times.len();
             if events.is_empty() {
-                self.at.evaluate(first)?;
                 let moves = ends.then(|| self.ends());
                 self.end_step(first, &[], (moves.as_deref(), ends));
                 if last > first {
@@ -129,8 +142,12 @@ impl<'w> Walk<'w> {
                 self.begin = None;
             }
             self.begin_step(last, begins, events);
-            self.step(last)?;
             first = last + 1;
+            if begins {
+                let next = run.events.get(passed).map(|event| event.time);
+                middle = (time + next.unwrap_or(times[times.len() - 1])) / 2.0;
+            }
+            self.step(last, (begins || time < middle, times[first] <= middle))?;
         }
         Ok(())
     }
@@ -194,6 +211,10 @@ impl<'w> Walk<'w> {
         };
         let end = margins(&mut self.at, k);
         self.look_within(k, [&begin, &end], &before);
+        if self.at.time(k - 1) <= self.at.time(0) {
+            let sides = [&begin[..], &end];
+            (self.existence).check_edges(&mut self.at, sides, (k, &before));
+        }
         let (here, own) = ((&mut self.at, &self.tangent), contacts_of(events));
         let moves = times.filter(|_| ends);
         self.existence.check_margins(here, &end, (k, &own), moves);
@@ -233,18 +254,26 @@ impl<'w> Walk<'w> {
         }
     }
 
-    /// Goes from an instant to the next one.
-    fn step(&mut self, k: usize) -> Result<(), String> {
+    /// Goes from an instant to the next one. In the first half of an arc, whether the step begins or also ends there, derivatives keep to an
+    /// instant that moves with the event before, and then to one that moves with the event behind.
+    fn step(&mut self, k: usize, (begins, ends): (bool, bool)) -> Result<(), String> {
         let trajectory = &self.at.run.trajectory;
         let controls = self.at.controls(trajectory.time[k]);
         let step = self.at.step_to(k + 1, &controls);
+        if begins {
+            let x = self.at.input(k);
+            self.flow.all.values = self.at.rates(&x, controls.slopes());
+        }
         let before = self.samples.is_some().then(|| self.tangent.clone());
-        let lean = self.tape.as_mut().and_then(|tape| tape.lean.as_mut());
+        let own = self.tangent.all.columns;
+        self.tangent = self.tangent.beside(&self.flow);
+        let lean = self.lean.as_mut();
         let (acceleration, cost) = (&mut self.at.acceleration, self.at.cost.as_ref());
         let missed = self
             .at
             .steps
             .step((acceleration, lean), step, &mut self.tangent, cost);
+        [self.tangent, self.flow] = self.tangent.split(own);
         let missed = missed.ok_or_else(|| self.at.undetermined(k))?;
         let h = trajectory.time[k + 1] - trajectory.time[k];
         // What balances leaves its rounding.
@@ -262,12 +291,34 @@ impl<'w> Walk<'w> {
                 trajectory.time[k + 1]
             ));
         }
+        let sizes = self.at.sizes.iter();
+        let shares = missed.iter().zip(sizes).map(|(missed, size)| missed / size);
+        self.missed = self.missed.hypot(shares.fold(0.0, f64::max));
         if let (Some(samples), Some(before)) = (&mut self.samples, before) {
             let whole = self.existence.lost.iter().all(Option::is_none);
             samples.within(&mut self.at, (k + 1, true), whole.then_some(&before));
         }
         if let Some(tape) = &mut self.tape {
             tape.step(self.at.steps.linear(step, self.at.cost.as_ref()));
+        }
+        let x = &stage_input(
+            &self.at.acceleration,
+            (step.to.q, step.to.v),
+            step.to.time,
+            &controls,
+        );
+        if !self.at.acceleration.evaluate(x) {
+            return Err(self.at.undetermined(k + 1));
+        }
+        if ends && !self.event_times.is_empty() {
+            let mut missed = self.flow.all.values.clone();
+            add(&mut missed, -1.0, &self.at.rates(x, controls.slopes()));
+            let last_event = self.tangent.layout.last_event();
+            let moves = self.tangent.all.row(last_event).to_vec();
+            self.tangent.shift(&missed, &moves, 1.0);
+            if let Some(tape) = &mut self.tape {
+                tape.moved(missed);
+            }
         }
         Ok(())
     }
@@ -289,8 +340,10 @@ impl<'w> Walk<'w> {
         let own = self.widen();
         if let Some(joints) = &self.joints {
             joints.project(&mut self.tangent);
+            joints.project(&mut self.flow);
         }
         project(&self.at.acceleration, &mut self.tangent);
+        project(&self.at.acceleration, &mut self.flow);
         self.record_change(own);
         Ok(())
     }
@@ -337,9 +390,9 @@ impl<'w> Walk<'w> {
         let mut rates = vec![0.0; self.tangent.layout.rows()];
         let mut found = Vec::new();
         if first > 0 {
-            self.at.evaluate(first)?;
             rates = self.at.rates(x_before, controls.slopes());
             found = self.causes(events, x_before, &rates);
+            rates.clone_from(&self.flow.all.values);
             times = self.time_of(events, &found, first)?;
             let now = (self.at.time(first), &times[..]);
             let layout = self.tangent.layout;
@@ -377,6 +430,8 @@ impl<'w> Walk<'w> {
         // What happens in two orders is at a fixed time already.
         apart.iter().for_each(|&column| moves[column] = 0.0);
         self.tangent.shift(&after, &moves, -1.0);
+        let last_event = self.tangent.layout.last_event();
+        self.tangent.all.row_mut(last_event).copy_from_slice(&moves);
         for event in events {
             let own = found.iter().find(|cause| std::ptr::eq(cause.event, event));
             let mut times = own.map_or(&times, |cause| &cause.times).clone();
@@ -387,7 +442,12 @@ impl<'w> Walk<'w> {
     }
 
     fn causes<'e>(&mut self, events: &'e [Event], x: &[f64], rates: &[f64]) -> Vec<Cause<'e>> {
-        let found = causes(&mut self.at, x, events, (rates, &self.tangent));
+        let found = causes(
+            &mut self.at,
+            x,
+            events,
+            ([rates, &self.flow.all.values], &self.tangent),
+        );
         found
             .iter()
             .for_each(|cause| self.existence.check_grazes(cause));

@@ -4,7 +4,7 @@ use super::bounds::Bounds;
 use super::calm::calm_parts;
 use super::path::Path;
 use super::range::Range;
-use crate::model::{Explicit, Model, Pieces};
+use crate::model::{Explicit, Model, Pieces, Switching};
 
 /// Most parts of a piece: a function that is confined to a hundred places of it is none of one step.
 const MOST_PARTS: usize = 1024;
@@ -74,9 +74,12 @@ impl<'a> Along<'a> {
                 Explicit::Normal(i),
                 Explicit::Tangent(i),
                 Explicit::Across(i),
+                Explicit::Share(i),
             ]
         };
-        let sides = (0..declaration.contacts.len()).flat_map(sides);
+        // Nothing acts by a condition that sets something.
+        let acts = |i: &usize| declaration.contacts[*i].switch != Some(Switching::Resets);
+        let sides = (0..declaration.contacts.len()).filter(acts).flat_map(sides);
         let functions = std::iter::once(Explicit::Motion).chain(sides);
         Self {
             hiding: functions
@@ -237,9 +240,8 @@ impl<'a> Along<'a> {
     pub(crate) fn hiding(&self, active: impl Fn(usize) -> bool) -> Vec<Explicit> {
         let acts = |function: &Explicit| match *function {
             Explicit::Motion => true,
-            Explicit::Gap(i) | Explicit::Normal(i) | Explicit::Tangent(i) | Explicit::Across(i) => {
-                active(i)
-            }
+            Explicit::Gap(i) | Explicit::Normal(i) => active(i),
+            Explicit::Tangent(i) | Explicit::Across(i) | Explicit::Share(i) => active(i),
         };
         self.hiding.iter().copied().filter(acts).collect()
     }

@@ -9,6 +9,10 @@ use crate::model::{Explicit, Model, joint_rows};
 const FACTOR: f64 = 4.0;
 /// Factor by which a divisor may change between places of a part: less than a parabola does whose least value is in the part.
 const STEADY: f64 = 1.5;
+/// Factors of a product that stages tell: `(1 - x^2)^32` has half of its height over an eighth of where its factors lie.
+const FACTORS: f64 = 32.0;
+/// Share of another term, or of a value elsewhere in the piece, that is nothing beside it: less than any run promises.
+const NOTHING: f64 = 1e-12;
 
 /// Evaluates explicit functions of a model on ranges of their inputs.
 pub(crate) struct Bounds<'a> {
@@ -19,6 +23,8 @@ pub(crate) struct Bounds<'a> {
     values: Vec<Range>,
     /// Where among them its values are.
     outputs: &'a [u32],
+    /// Sizes of the values of functions at the ends and in the middle of the piece whose parts are looked at.
+    sizes: Vec<(Explicit, Vec<f64>)>,
 }
 
 impl<'a> Bounds<'a> {
@@ -31,6 +37,7 @@ impl<'a> Bounds<'a> {
             model,
             values: Vec::new(),
             outputs: &[],
+            sizes: Vec::new(),
         }
     }
 
@@ -74,29 +81,26 @@ impl<'a> Bounds<'a> {
     }
 
     /// Whether something can be confined in a function to a small part of what its inputs are in: whether it contains functions of them
-    /// besides sums, products, sines, sizes and signs.
+    /// besides sums, sines, sizes and signs, and products of few factors.
     pub(crate) fn may_hide(&self, function: Explicit) -> bool {
         let Some(tape) = self.model.tape(function) else {
             return false;
         };
-        let mut moves = Vec::with_capacity(tape.operations.len());
+        let mut counts = Vec::with_capacity(tape.operations.len());
         for &operation in tape.operations {
-            let at = |part: u32| moves[part as usize];
-            let (own, hides) = match operation {
-                Operation::Given(Source::Parameter(_) | Source::Constant(_)) => (false, false),
-                Operation::Given(Source::Input(_) | Source::Weight(_)) => (true, false),
-                Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) => {
-                    (at(a) || at(b), false)
-                }
-                Operation::Divide(a, b) => (at(a) || at(b), at(b)),
-                Operation::Negate(a) | Operation::Root(a) => (at(a), false),
-                Operation::Call(called, a) => (at(a), at(a) && !is_the_same_everywhere(called)),
-                Operation::Call2(_, a, b) => (at(a) || at(b), at(a) || at(b)),
+            let at = |part: u32| counts[part as usize];
+            let moves = |part: u32| at(part) > 0.0;
+            let count = factors(operation, at);
+            let hides = match operation {
+                Operation::Divide(_, a) => moves(a),
+                Operation::Call(called, a) => moves(a) && !is_the_same_everywhere(called),
+                Operation::Call2(..) => count > 0.0,
+                _ => count > FACTORS,
             };
             if hides {
                 return true;
             }
-            moves.push(own);
+            counts.push(count);
         }
         false
     }
@@ -114,10 +118,14 @@ impl<'a> Bounds<'a> {
             return true;
         }
         let tape = self.model.tape(function);
+        let operations = tape.map_or(&[][..], |tape| tape.operations);
         let mut sized = Vec::new();
-        for &operation in tape.map_or(&[][..], |tape| tape.operations) {
+        let mut counts = Vec::with_capacity(operations.len());
+        for &operation in operations {
             let at = |part: u32| self.values[part as usize];
             let calm = match operation {
+                // Powers that rise are products.
+                Operation::Call2(Function2::Power, _, b) if at(b).low >= 0.0 => true,
                 Operation::Divide(_, a)
                 | Operation::Call2(Function2::Power, a, _)
                 | Operation::Call(Function::Ln | Function::InverseRoot, a) => {
@@ -133,15 +141,80 @@ impl<'a> Bounds<'a> {
             if !calm {
                 return false;
             }
+            counts.push(self.factors_over(operation, &counts));
         }
+        let steep = |&k: &usize| counts[self.outputs[k] as usize] > FACTORS;
+        let steep = (0..self.outputs.len()).filter(steep);
+        let steep: Vec<(usize, f64)> = steep.map(|k| (k, self.output(k).size().high)).collect();
+        if part == [0.0, 1.0] {
+            self.sizes.retain(|(known, _)| *known != function);
+        }
+        self.are_nothing(function, &steep, &input) && self.are_steady(function, &sized, part, input)
+    }
+
+    /// How many factors a value over a part is a product of, as [`factors`] counts them, where one that changes by a share of itself counts
+    /// as that share of all that stages tell, and of a sum terms do not count that are nothing beside others.
+    fn factors_over(&self, operation: Operation, counts: &[f64]) -> f64 {
+        let at = |part: u32| self.values[part as usize];
+        let count = |part: u32| counts[part as usize];
+        let told = |part: u32| match count(part) {
+            count if count > FACTORS => count,
+            count => count.min(FACTORS * at(part).change()),
+        };
+        let is_nothing = |a: u32, b: u32| at(a).size().high <= NOTHING * at(b).size().low;
+        match operation {
+            Operation::Call(Function::Sin | Function::Cos, a) => count(a).max(at(a).width()),
+            Operation::Call2(Function2::Power, a, b) => at(b).size().high * told(a),
+            _ if factors(operation, count) <= FACTORS => factors(operation, count),
+            Operation::Add(a, b) | Operation::Subtract(a, b) if is_nothing(a, b) => count(b),
+            Operation::Add(a, b) | Operation::Subtract(a, b) if is_nothing(b, a) => count(a),
+            Operation::Multiply(..) | Operation::Divide(..) => factors(operation, told),
+            _ => factors(operation, count),
+        }
+    }
+
+    /// Whether values of a function that are products of too many factors over a part, given with their largest sizes there, are nothing
+    /// beside what they are at the ends and in the middle of the piece.
+    fn are_nothing(
+        &mut self,
+        function: Explicit,
+        steep: &[(usize, f64)],
+        input: impl Fn(usize, [f64; 2]) -> Range,
+    ) -> bool {
+        let known = |(known, _): &(Explicit, Vec<f64>)| *known == function;
+        if !steep.is_empty() && !self.sizes.iter().any(known) {
+            let mut sizes = vec![0.0_f64; self.outputs.len()];
+            for at in [0.0, 0.5, 1.0] {
+                self.evaluate(function, |k| input(k, [at, at]));
+                for (size, value) in sizes.iter_mut().zip(self.outputs()) {
+                    *size = size.max(value.size().low);
+                }
+            }
+            self.sizes.push((function, sizes));
+        }
+        let sizes = self.sizes.iter().find(|one| known(one));
+        let size = |k: usize| sizes.map_or(0.0, |(_, sizes)| sizes[k]);
+        // Numbers below the least normal one have no digits.
+        let most = |k: usize| (NOTHING * size(k)).max(f64::MIN_POSITIVE);
+        steep.iter().all(|&(k, size)| size <= most(k))
+    }
+
+    /// Whether operands of a function that have to keep their size over a part do so. A range is more than what is in it where operands
+    /// have much in common, as in a determinant: three places tell what a parabola does.
+    fn are_steady(
+        &mut self,
+        function: Explicit,
+        sized: &[u32],
+        part: [f64; 2],
+        input: impl Fn(usize, [f64; 2]) -> Range,
+    ) -> bool {
         if sized.is_empty() || part[1] - part[0] > WIDE {
             return sized.is_empty();
         }
-        // A range is more than what is in it where operands have much in common, as in a determinant: three places tell what a parabola does.
         let mut seen = vec![Vec::new(); sized.len()];
         for at in [part[0], 0.5 * (part[0] + part[1]), part[1]] {
             self.evaluate(function, |k| input(k, [at, at]));
-            for (seen, &operand) in seen.iter_mut().zip(&sized) {
+            for (seen, &operand) in seen.iter_mut().zip(sized) {
                 seen.push(self.values[operand as usize].low);
             }
         }
@@ -152,6 +225,11 @@ impl<'a> Bounds<'a> {
     /// The range of one of the values of the function last evaluated.
     pub(crate) fn output(&self, k: usize) -> Range {
         self.values[self.outputs[k] as usize]
+    }
+
+    /// The ranges of all values of the function last evaluated.
+    pub(crate) fn outputs(&self) -> impl Iterator<Item = Range> {
+        self.outputs.iter().map(|&k| self.values[k as usize])
     }
 
     /// Dividend and divisor of all quotients of a function at a place, one after the other.
@@ -175,10 +253,7 @@ impl<'a> Bounds<'a> {
 
     /// A number that a gap is not below wherever the inputs lie between `low` and `high`, up to rounding; `None` where it is not known.
     pub(crate) fn least_gap(&mut self, contact: usize, low: &[f64], high: &[f64]) -> Option<f64> {
-        let range = self.of(Explicit::Gap(contact), |k| Range {
-            low: low[k],
-            high: high[k],
-        });
+        let range = self.of(Explicit::Gap(contact), |k| Range::between(low[k], high[k]));
         (range.low > f64::NEG_INFINITY).then_some(range.low)
     }
 
@@ -203,6 +278,23 @@ impl<'a> Bounds<'a> {
         } else {
             Range::ALL
         }
+    }
+}
+
+/// How many equal factors that vary an operation is a product of, by those of its operands `at` their places: one more where they may be
+/// others.
+fn factors(operation: Operation, at: impl Fn(u32) -> f64) -> f64 {
+    match operation {
+        Operation::Given(Source::Parameter(_) | Source::Constant(_)) => 0.0,
+        Operation::Given(Source::Input(_) | Source::Weight(_)) => 1.0,
+        Operation::Multiply(a, b) if a == b => 2.0 * at(a),
+        Operation::Multiply(a, b) if at(a) > 0.0 && at(b) > 0.0 => at(a).max(at(b)) + 1.0,
+        Operation::Add(a, b)
+        | Operation::Subtract(a, b)
+        | Operation::Multiply(a, b)
+        | Operation::Divide(a, b)
+        | Operation::Call2(_, a, b) => at(a).max(at(b)),
+        Operation::Negate(a) | Operation::Root(a) | Operation::Call(_, a) => at(a),
     }
 }
 

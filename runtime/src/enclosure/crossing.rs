@@ -2,7 +2,8 @@
 //!
 //! Parts of an interval are looked at from the left, each until it is known that the function is not negative there, or that it only
 //! falls: by its range, by lines through its ends of the least and the greatest slope, and by the sign of its slope. A part of which
-//! none of this is known is halved (Moore, *Interval analysis*, 1966; Neumaier, *Interval methods for systems of equations*, 1990).
+//! none of this is known is halved (Moore, *Interval analysis*, 1966; Neumaier, *Interval methods for systems of equations*, 1990), and
+//! so is one that may hold a pole or a jump, about which slopes say nothing: down to the two neighbours between which it is.
 
 use super::range::Range;
 
@@ -89,10 +90,17 @@ fn look(f: &mut impl Bounded, left: Sample, right: Sample, zero: f64) -> Part {
         };
     }
     let part = [left.at, right.at];
-    if !negative && f.range(part).low >= -zero {
+    let range = f.range(part);
+    if !negative && range.low >= -zero {
         return Part::Positive;
     }
-    let [slope, bend] = f.slopes(part);
+    if !range.is_continuous() {
+        return Part::Unknown;
+    }
+    let [slope, mut bend] = f.slopes(part);
+    if !slope.is_continuous() {
+        bend = Range::ALL;
+    }
     if negative {
         // What only falls, or is a hill, crosses once.
         let once = slope.high <= 0.0 || bend.high <= 0.0;

@@ -173,20 +173,11 @@ impl<'a> Constraints<'a> {
 
     /// Finds the constraints that follow from others as last evaluated; once in a mode, unless there are some.
     pub(super) fn find_redundancy(&mut self) {
-        let (n, count) = (self.n, self.count());
+        let count = self.count();
         if self.independent || count < 2 {
             return;
         }
-        let mut couplings = vec![0.0; count * count];
-        for (row, column, value) in products(&self.gradients, &self.directions, n) {
-            if !self.is_given(row) {
-                couplings[row * count + column] = value;
-            }
-        }
-        for row in self.normals..self.active.len() {
-            couplings[row * count + row] = 1.0;
-        }
-        let measures = self.measures();
+        let (couplings, measures) = (self.couplings(), self.measures());
         let positions = self.positions();
         let of_positions: Vec<f64> = couplings
             .chunks_exact(count)
@@ -199,6 +190,29 @@ impl<'a> Constraints<'a> {
             Redundancy::of(&of_positions, &measures[..positions]),
         ];
         self.independent = self.redundancy.iter().all(Redundancy::is_empty);
+    }
+
+    /// Takes the smallest of forces that give the same motion as last evaluated, where some constraints follow from others.
+    pub(super) fn turn_redundancy(&mut self) {
+        if !self.redundancy[0].is_empty() {
+            let (couplings, measures) = (self.couplings(), self.measures());
+            self.redundancy[0].turn(couplings, &measures);
+        }
+    }
+
+    /// Motion of each constraint by the force of each as last evaluated, row-major.
+    fn couplings(&self) -> Vec<f64> {
+        let count = self.count();
+        let mut couplings = vec![0.0; count * count];
+        for (row, column, value) in products(&self.gradients, &self.directions, self.n) {
+            if !self.is_given(row) {
+                couplings[row * count + column] = value;
+            }
+        }
+        for row in self.normals..self.active.len() {
+            couplings[row * count + row] = 1.0;
+        }
+        couplings
     }
 
     /// Measures of the forces and of the equations of the constraints as last evaluated, by the inertia of each.

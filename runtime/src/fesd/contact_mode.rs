@@ -7,10 +7,9 @@
 //! problem one derivative higher decides.
 
 use super::contacts::{Contacts, Line, ModeError, dot, norm};
-use crate::contact::sharing::{self, Share};
 use crate::contact::{
     ActiveContact, Balance, Cone, ContactState, Decision, Problem, Touching, Vanished, find, law,
-    sliding, touching,
+    shares, sliding, touching, unbiased_lines,
 };
 use crate::model::pair_size;
 use crate::run::Place;
@@ -80,18 +79,16 @@ pub(crate) fn select(
     let Sorted {
         mut strict,
         mut undecided,
-        shares,
         slips,
     } = sort(&solved, contacts);
     for (contact, slip) in slips {
         contacts.align(contact, Some(slip));
     }
-    is_unique(contacts, &strict)?;
-    sharing::share_friction(contacts, &mut strict, &shares)?;
+    share_friction(contacts, &mut strict, Some(&solved))?;
     drop_held(contacts, &mut strict, &mut undecided)?;
     if !undecided.is_empty() {
         select_by_jerk(contacts, x, active, &mut strict, &undecided)?;
-        sharing::share_friction(contacts, &mut strict, &shares)?;
+        share_friction(contacts, &mut strict, Some(&solved))?;
     }
     strict.sort_unstable_by_key(|held| held.contact);
     active.clone_from(&strict);
@@ -104,8 +101,6 @@ struct Sorted {
     /// Contacts that carry a force.
     strict: Vec<ActiveContact>,
     undecided: Vec<Undecided>,
-    /// Friction of those in a cone.
-    shares: Vec<Share>,
     /// Contacts in space that begin to slip, with the direction in their frames.
     slips: Vec<(usize, (f64, f64))>,
 }
@@ -121,7 +116,13 @@ fn balance(contacts: &Contacts<'_>, touching: &[usize], time: f64) -> Result<Bal
     let free: Vec<f64> = free
         .map(|&line| contacts.free_line_acceleration(line))
         .collect();
-    Ok(Balance::first(touching, contacts, &free)?.spread(contacts))
+    let balance = Balance::first(touching, contacts, &free)?;
+    match balance.touching.parting(contacts) {
+        Some(contact) if balance.is_one_of_several(contacts, &free) => {
+            Err(ModeError::NotUnique(contact))
+        }
+        _ => Ok(balance.spread(contacts)),
+    }
 }
 
 /// The balance of accelerations with the sides of the switches that are passed now.
@@ -174,17 +175,6 @@ fn sided(
     }
 }
 
-/// Refuses a motion along the zero of a switch whose two sides both push away from it: it could leave to either at any time.
-fn is_unique(contacts: &Contacts<'_>, active: &[ActiveContact]) -> Result<(), ModeError> {
-    for held in active.iter().filter(|held| held.state.sticks()) {
-        let line = Line::tangent(held.contact);
-        if contacts.switch_of(held.contact).is_some() && contacts.coupling(line, line) <= 0.0 {
-            return Err(ModeError::NotUnique(held.contact));
-        }
-    }
-    Ok(())
-}
-
 /// Sorts the contacts by what their forces and accelerations say.
 fn sort(balance: &Balance, contacts: &Contacts<'_>) -> Sorted {
     let mut sorted = Sorted::default();
@@ -222,28 +212,62 @@ fn sort(balance: &Balance, contacts: &Contacts<'_>) -> Sorted {
             continue;
         };
         sorted.strict.push(ActiveContact { contact, state });
-        if slip.is_some() {
-            let friction = balance.friction(k);
-            let friction = match contacts.is_in_space(contact) {
-                true => pair_size(friction),
-                false => friction.0,
-            };
-            let margin = if state.sticks() {
-                balance.margin(contacts, k)
-            } else {
-                0.0
-            };
-            sorted.shares.push(Share {
-                contact,
-                friction,
-                margin,
-            });
-            if state.slips() {
-                sorted.slips.push((contact, balance.heading(k, zero)));
-            }
+        if slip.is_some() && state.slips() {
+            sorted.slips.push((contact, balance.heading(k, zero)));
         }
     }
     sorted
+}
+
+/// Lets only independent contacts of `active` stick where several of them hold the same sliding velocity: the feet of a box, or a block in a
+/// corner. The motion is unique, the shares of the load are not; those of the `balance` are kept. Contacts inside their cone whose friction is
+/// not zero come first, which a basic solution has for independent contacts only; the others keep the force of their share.
+pub(crate) fn share_friction(
+    contacts: &Contacts<'_>,
+    active: &mut [ActiveContact],
+    balance: Option<&Balance>,
+) -> Result<(), ModeError> {
+    let switches = |held: &ActiveContact| contacts.switch_of(held.contact).is_some();
+    // Switches may hold each other of which fewer could not.
+    if active.iter().any(switches) && shares::are_independent(contacts, &unbiased_lines(active)) {
+        return Ok(());
+    }
+    // The friction of a contact, and whether it is inside of its cone.
+    let share = |contact: usize| {
+        let zero = BIACTIVE * contacts.tangential_scale(contact);
+        let shared = balance.and_then(|balance| {
+            let contacts_that_touch = &balance.touching.contacts;
+            let k = contacts_that_touch.iter().position(|&i| i == contact)?;
+            balance.slip(k)?;
+            Some((balance.friction(k), balance.margin(contacts, k) > zero))
+        });
+        shared.unwrap_or(((0.0, 0.0), true))
+    };
+    let mut sticking: Vec<usize> = (0..active.len())
+        .filter(|&k| active[k].state.sticks())
+        .collect();
+    sticking.sort_by_key(|&k| {
+        let (friction, inside) = share(active[k].contact);
+        (friction == (0.0, 0.0), !inside)
+    });
+    for &k in &sticking {
+        active[k].state = ContactState::Held(None);
+    }
+    for k in sticking {
+        let contact = active[k].contact;
+        let (friction, inside) = share(contact);
+        active[k].state = if contacts.is_in_space(contact) {
+            // Whatever others hold: how they share their load is asked for as long as they hold.
+            ContactState::StickInSpace
+        } else if shares::is_free(contacts, &unbiased_lines(active), Line::tangent(contact))? {
+            ContactState::Stick
+        } else if inside {
+            ContactState::Held(None)
+        } else {
+            ContactState::at_edge(-friction.0)
+        };
+    }
+    Ok(())
 }
 
 /// Conditions on velocities that the strictly active contacts hold need no decision: a contact on the edge
@@ -258,7 +282,7 @@ fn drop_held(
             Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
             Undecided::Normal { contact, .. } => Line::normal(contact),
         };
-        if sharing::is_independent(contacts, active, line)? {
+        if shares::is_free(contacts, &unbiased_lines(active), line)? {
             continue;
         }
         if let Undecided::Edge { contact, sense } = undecided.remove(k) {
@@ -291,7 +315,7 @@ fn select_by_jerk(
     contacts.contact_forces(strict, &mut forces)?;
     let mut motion = vec![0.0; contacts.n];
     contacts.constrained_acceleration(strict, &forces, &mut motion);
-    let matrix = sharing::reduced_couplings(contacts, &held, &lines)?;
+    let matrix = shares::reduced_couplings(contacts, &held, &lines)?;
     let scales: Vec<f64> = lines.iter().map(|&line| contacts.scale(line)).collect();
     let largest = scales.iter().copied().fold(0.0, f64::max);
     let (step, time_scale) = difference_step(contacts, x, (&motion, largest));
@@ -367,8 +391,11 @@ fn is_held(
 ) -> Result<bool, ModeError> {
     let seen = active.iter().map(|held| held.contact);
     contacts.evaluate(x, seen.chain([contact]));
-    let independent = sharing::is_independent(contacts, active, Line::normal(contact))?;
-    Ok(!independent)
+    Ok(!shares::is_free(
+        contacts,
+        &unbiased_lines(active),
+        Line::normal(contact),
+    )?)
 }
 
 /// Rates of the accelerations of `lines` along the motion, while the `active` contacts hold theirs: a central difference over a `step`

@@ -2,7 +2,7 @@
 //!
 //! A gap `g(q)` sums up terms of about the sizes `|dg/dq_k q_k|`, and rounding leaves an error relative to
 //! them, whatever the other coordinates are, the unit of the gap, and a factor in it. Velocities likewise.
-//! The largest sizes so far count, since all terms may vanish together.
+//! The largest coordinates so far count, since all terms may vanish together.
 
 /// Rounding error of a gap or a velocity, relative to its size.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -32,20 +32,16 @@ pub(crate) struct ContactSize {
 }
 
 impl ContactSize {
-    /// That of terms of a gap with this rounding error.
-    pub(super) fn of_rounding_error(error: f64) -> Self {
-        Self {
-            gap: error / f64::EPSILON,
-            ..Self::default()
+    /// Takes the sizes of another place, but for those without a value.
+    pub(super) fn take(&mut self, other: Self) {
+        let pairs = [
+            (&mut self.gap, other.gap),
+            (&mut self.velocity, other.velocity),
+            (&mut self.sliding, other.sliding),
+        ];
+        for (size, other) in pairs.into_iter().filter(|(_, other)| other.is_finite()) {
+            *size = other;
         }
-    }
-
-    /// Grows to sizes seen elsewhere.
-    pub(super) fn include(&mut self, other: Self) {
-        let larger = |a: f64, b: f64| if b.is_finite() { a.max(b) } else { a };
-        self.gap = larger(self.gap, other.gap);
-        self.velocity = larger(self.velocity, other.velocity);
-        self.sliding = larger(self.sliding, other.sliding);
     }
 
     /// The sizes at `time`, whose own rounding error moves the gap as well, under accelerations of the given
@@ -87,9 +83,19 @@ impl ContactSize {
         COLLECTED * self.gap
     }
 
+    /// Gap that rounding leaves in a run of this `length` \[s\]: that of its terms, and of accelerations that balance.
+    pub(crate) fn collected_gap(self, length: f64) -> f64 {
+        COLLECTED * (self.gap + self.gained * length)
+    }
+
     /// Size of the normal velocity.
     pub(crate) fn speed(self) -> f64 {
         self.velocity
+    }
+
+    /// Size of the sliding velocity.
+    pub(crate) fn sliding(self) -> f64 {
+        self.sliding
     }
 
     /// Rounding error of the normal velocity.
@@ -102,6 +108,11 @@ impl ContactSize {
     pub(crate) fn touching_velocity(self) -> f64 {
         let zero = (TOUCHING_VELOCITY * self.velocity).max(COLLECTED * self.gained);
         zero.max(self.unresolved)
+    }
+
+    /// Size of the sliding velocity, or of the function of a switch.
+    pub(crate) fn sliding_speed(self) -> f64 {
+        self.sliding
     }
 
     /// Rounding error of the sliding velocity.

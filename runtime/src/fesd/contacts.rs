@@ -10,7 +10,7 @@ pub(crate) use crate::contact::{Line, ModeError, dot};
 
 use super::contact_size::ContactSize;
 use crate::contact::shares::{self, Shares};
-use crate::contact::{ActiveContact, View, sum_of_sizes, tangents};
+use crate::contact::{ActiveContact, Extent, View, tangents};
 use crate::linalg::banded::{Banded, Unfactorized};
 use crate::linalg::dense;
 use crate::model::rounding::rounding_error_at_start;
@@ -35,13 +35,17 @@ const NEGATIVE: f64 = 1e-9;
 // Many fields: the memory of an evaluation, and the sizes that the motion has had.
 pub(crate) struct Contacts<'a> {
     view: View<'a>,
-    /// Largest sum of terms of each normal acceleration of the motion so far: the scale of its rounding error. At
-    /// one instant the terms may cancel inside the model.
+    /// How far and how fast the motion has been.
+    extent: Extent,
+    /// Sum of the terms of each normal acceleration where the motion is, the scale of its rounding error, of which the motion so far has
+    /// the largest: at one instant they may cancel inside the model.
     scales: Vec<f64>,
-    /// Largest sums of terms of the sliding accelerations of the motion so far.
+    /// Sums of the terms of the sliding accelerations.
     tangent_scales: Vec<f64>,
-    /// Largest sizes of gaps and velocities of the motion so far.
+    /// Sizes of gaps and velocities where the motion is.
     sizes: Vec<ContactSize>,
+    /// Rounding errors of the gaps as measured at the start.
+    rounding: Vec<f64>,
     /// The shortest time that the motion is told apart in [s]; 0 where no motion is followed.
     pub(crate) shortest: f64,
     /// A time over which what acts is smooth [s]; infinite where no motion is followed.
@@ -78,9 +82,11 @@ impl<'a> Contacts<'a> {
         let contacts = declaration.contacts.len();
         Self {
             view: View::new(model),
+            extent: Extent::default(),
             scales: vec![0.0; contacts],
             tangent_scales: vec![0.0; contacts],
             sizes: vec![ContactSize::default(); contacts],
+            rounding: vec![0.0; contacts],
             shortest: 0.0,
             moment: f64::INFINITY,
             lines: Vec::new(),
@@ -173,12 +179,12 @@ impl<'a> Contacts<'a> {
 
     /// Sizes of gap and velocities of a contact that was evaluated at `x`.
     fn size_at(&self, x: &[f64], contact: usize) -> ContactSize {
-        let (q, v) = (&x[..self.n], &x[self.n..2 * self.n]);
         let normal = self.normal(contact);
+        let speed = |slopes: &[f64]| self.extent.velocities(slopes);
         let sliding = if self.has_friction(contact) {
-            let terms = sum_of_sizes(self.tangent(contact), v);
+            let terms = speed(self.tangent(contact));
             let across = match self.is_in_space(contact) {
-                true => sum_of_sizes(self.row(Line::Across { contact }).0, v),
+                true => speed(self.row(Line::Across { contact }).0),
                 false => 0.0,
             };
             terms
@@ -188,19 +194,25 @@ impl<'a> Contacts<'a> {
         } else {
             0.0
         };
+        let gap = self.extent.places(normal).max(self.gap(contact).abs());
         ContactSize {
-            gap: sum_of_sizes(normal, q).max(self.gap(contact).abs()),
-            velocity: sum_of_sizes(normal, v).max(self.normal_velocity(contact).abs()),
+            gap: gap.max(self.rounding[contact] / f64::EPSILON),
+            velocity: speed(normal).max(self.normal_velocity(contact).abs()),
             sliding,
             ..ContactSize::default()
         }
     }
 
-    /// Largest sizes of gap and velocities of a contact so far, at `time`.
+    /// Sizes of gap and velocities of a contact where the motion is, at `time`.
     pub(crate) fn size(&self, contact: usize, time: f64) -> ContactSize {
         let tangential = self.tangential_scale(contact);
         let times = (time, self.shortest);
         self.sizes[contact].at(times, self.phi_scale(contact), tangential)
+    }
+
+    /// By how much the way of the motion has changed the gap of a contact.
+    pub(crate) fn range(&self, contact: usize) -> f64 {
+        self.extent.ways(self.normal(contact))
     }
 
     /// Normal velocity up to which a contact does not leave: a flight lower than the rounding error of its gap
@@ -220,10 +232,17 @@ impl<'a> Contacts<'a> {
     /// Remembers how large gaps and velocities of the listed contacts are, which were evaluated at the state `x` of
     /// the motion. States that are only tried may be far beyond it.
     pub(crate) fn remember_sizes(&mut self, x: &[f64], contacts: impl IntoIterator<Item = usize>) {
+        let (q, v) = x[..2 * self.n].split_at(self.n);
+        self.extent.include(q, v, self.view.free_acceleration());
         for i in contacts {
             let size = self.size_at(x, i);
-            self.sizes[i].include(size);
+            self.sizes[i].take(size);
         }
+    }
+
+    /// Remembers the acceleration of the motion.
+    pub(crate) fn remember_acceleration(&mut self, a: &[f64]) {
+        self.extent.accelerate(a);
     }
 
     /// Remembers what the measured rounding errors of the gaps at the start `x` say of the sizes of their terms, which may cancel inside
@@ -233,7 +252,7 @@ impl<'a> Contacts<'a> {
         for i in 0..self.sizes.len() {
             let gap = |x: &[f64]| self.pieces.gap(self.model, i, x);
             let error = rounding_error_at_start(x, self.free_acceleration(), moment, gap);
-            self.sizes[i].include(ContactSize::of_rounding_error(error));
+            self.rounding[i] = error.max(0.0);
         }
     }
 
@@ -241,14 +260,22 @@ impl<'a> Contacts<'a> {
     /// motion.
     pub(crate) fn remember_scales(&mut self, contacts: impl IntoIterator<Item = usize>) {
         for i in contacts {
-            self.scales[i] = self.phi_scale(i);
+            // A given force is no acceleration of the motion: the largest so far is its scale.
+            let known = if self.is_dry(i) { self.scales[i] } else { 0.0 };
+            self.scales[i] = self.present_scale(Line::normal(i)).max(known);
             if self.has_friction(i) {
-                self.tangent_scales[i] = self.tangent_terms(i);
+                self.tangent_scales[i] = self.present_scale(Line::tangent(i));
             }
         }
     }
 
-    /// Largest sum of terms of the sliding acceleration so far.
+    /// Sum of the terms of a line's acceleration, of which the motion so far has the largest.
+    fn present_scale(&self, line: Line) -> f64 {
+        let known = self.extent.accelerations(self.row(line).0);
+        self.terms(line).max(known)
+    }
+
+    /// Sum of the terms of the sliding acceleration, at least where the motion is.
     fn tangent_terms(&self, contact: usize) -> f64 {
         self.tangent_scales[contact].max(self.terms(Line::tangent(contact)))
     }
@@ -301,6 +328,18 @@ impl<'a> Contacts<'a> {
             slope: self.slope(held),
         }));
         lines.extend(tangents(active));
+    }
+
+    /// The lines along which impulses hold the `active` contacts: with friction those that slide; dry friction has none.
+    pub(crate) fn lines_of_impulses(&self, active: &[ActiveContact]) -> Vec<Line> {
+        let normal = |held: &ActiveContact| match held.contact {
+            contact if held.state.slips() && !self.is_dry(contact) => Line::Normal {
+                contact,
+                slope: self.slope(*held),
+            },
+            contact => Line::normal(contact),
+        };
+        active.iter().map(normal).chain(tangents(active)).collect()
     }
 
     /// Forces of the `active` contacts at the last evaluation, which hold the accelerations of their lines at

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! are regular again. The combination `y` of the motions `w` vanishes by itself, so that `w = 0` and `z' f = 0`: of all forces with the same
-//! motion the smallest, each measured by the inertia of its constraint.
+//! motion the smallest, each measured by the inertia of its constraint. The directions of friction turn while contacts slide, and `z` with
+//! them from stage to stage: one that stayed would leave a motion that depends on the shares without its order.
 
 use crate::linalg::dense;
 use crate::linalg::least_norm::LeastNorm;
@@ -18,6 +19,8 @@ use crate::linalg::least_norm::LeastNorm;
 pub(super) struct Redundancy {
     /// Weights `y` of the equations, and `z` of the forces.
     pairs: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Weights `z` where the constraints were found.
+    first: Vec<Vec<f64>>,
 }
 
 impl Redundancy {
@@ -41,8 +44,30 @@ impl Redundancy {
             let forces = forces.iter().zip(measures).map(|(z, known)| z * known.0);
             (equations.collect(), forces.collect())
         });
-        Self {
-            pairs: pairs.collect(),
+        let pairs: Vec<(Vec<f64>, Vec<f64>)> = pairs.collect();
+        let first = pairs.iter().map(|(_, forces)| forces.clone()).collect();
+        Self { pairs, first }
+    }
+
+    /// Turns the weights of the forces to those of other `couplings` and measures: `z = (K + sum_k y_k z_k')^-1 y`, with the `z_k` of where
+    /// the constraints were found, is a combination of forces that does nothing.
+    pub(super) fn turn(&mut self, mut couplings: Vec<f64>, measures: &[(f64, f64)]) {
+        let order = measures.len();
+        for (row, entries) in couplings.chunks_exact_mut(order).enumerate() {
+            for ((equations, _), first) in self.pairs.iter().zip(&self.first) {
+                let terms = entries.iter_mut().zip(first);
+                terms.for_each(|(entry, z)| *entry += equations[row] * z);
+            }
+        }
+        let mut pivots = vec![0; order];
+        if dense::factorize(&mut couplings, &mut pivots).is_err() {
+            return;
+        }
+        for (equations, forces) in &mut self.pairs {
+            forces.copy_from_slice(equations);
+            dense::solve(&couplings, &pivots, forces);
+            let weights = forces.iter_mut().zip(measures);
+            weights.for_each(|(z, known)| *z *= known.0 * known.0);
         }
     }
 

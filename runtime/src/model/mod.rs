@@ -118,6 +118,12 @@ pub trait Model: Send + Sync {
     /// The declared length of a simulation \[s\], if the scene declares one.
     fn horizon(&self) -> Option<f64>;
 
+    /// Functions of parameters without which the scene has no meaning unless they are above zero, such as sizes of shapes: what each is, its
+    /// unit, and its value.
+    fn positive(&self) -> Vec<(&'static str, &'static str, f64)> {
+        Vec::new()
+    }
+
     /// Declared bounds of the coordinates and then the controls; infinite where none is declared.
     /// Both slices have length `n_q + n_u`.
     fn bounds(&self, lower: &mut [f64], upper: &mut [f64]);

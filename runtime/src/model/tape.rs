@@ -15,6 +15,8 @@ pub enum Explicit {
     Tangent(usize),
     /// Of a contact with friction in space second sliding velocity, curvature and tangent.
     Across(usize),
+    /// Of a contact with friction [`Model::friction_share`](super::Model::friction_share), where it declares one.
+    Share(usize),
     /// Accelerations without contact, or the matrix and the right-hand side of the linear system that they solve.
     Motion,
 }

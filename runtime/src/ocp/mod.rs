@@ -110,7 +110,7 @@ pub use settings::{ControlNodes, Formulation, Guess, PathPoints, Settings, TimeF
 pub use size::program_sizes;
 pub use solution::{
     Counts, Excess, Improvement, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Source,
-    Status, TimeFreezingReport,
+    Status, TimeFreezingReport, WordCounts,
 };
 pub use solve::solve;
 pub use unknown::parameter_named;

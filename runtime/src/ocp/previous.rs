@@ -77,12 +77,19 @@ impl Previous {
         self.trajectory.controls.times(self.trajectory.horizon)
     }
 
-    /// The motion on another number of intervals.
+    /// Whether its intervals are divided among phases instead of being of equal length.
+    pub(in crate::ocp) fn is_aligned(&self) -> bool {
+        self.trajectory.controls.is_aligned()
+    }
+
+    /// The motion on another number of intervals, a multiple where they are aligned with phases.
     pub(in crate::ocp) fn resampled(&self, intervals: usize) -> Self {
         let mut trajectory = self.trajectory.clone();
-        trajectory.controls = trajectory
-            .controls
-            .resampled(trajectory.controls.shape(), intervals);
+        let controls = &trajectory.controls;
+        trajectory.controls = match controls.is_aligned() {
+            true => controls.divided(intervals / controls.intervals()),
+            false => controls.resampled(controls.shape(), intervals),
+        };
         let candidate = self.candidate(&trajectory, intervals);
         Self::new(candidate.trajectory, candidate.sequence)
     }

@@ -38,7 +38,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 22] = [
+pub const RULES: [Rule; 21] = [
     rule(
         Source,
         "sample",
@@ -94,11 +94,6 @@ pub const RULES: [Rule; 22] = [
         Mapping,
         "shift",
         "Switches an interval earlier and later, alone and with all behind them, while the grid costs more than it has to.",
-    ),
-    rule(
-        Mapping,
-        "near",
-        "All switches at once in their intervals, at the ends of these and in the next ones, while the grid still costs more than it has to.",
     ),
     rule(
         Mapping,

@@ -9,7 +9,8 @@ use serde::{Serialize, Serializer};
 use super::parameters::{FoundParameter, OptimumGradient};
 use super::previous::Previous;
 use crate::model::{Model, Pieces, contact_point};
-use crate::ocp::motion::control_grid::{ControlShape, signal};
+use crate::ocp::motion::control_grid::{ControlShape, Mesh, signal};
+use crate::ocp::tuning::on_grid::NEAR;
 use crate::refusal;
 use crate::simulation::{
     ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State, number,
@@ -134,10 +135,22 @@ pub struct Optimum {
     pub sources: Vec<Source>,
 }
 
+/// How many orders of contacts a search has tried off the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[non_exhaustive]
+pub struct WordCounts {
+    /// Orders whose programs were started.
+    pub tried: usize,
+    /// Those without a solution from any guess: whether they allow a motion, and how good a one, is undecided.
+    pub failed: usize,
+}
+
 /// Where a search looked for a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Source {
+    /// The simulated motion of the scene's guess, as it is or with its contact sequence solved.
+    Guess,
     /// Among words, orders of contact modes.
     Words,
     /// From a known motion, or a variant of the time-freezing formulation, from 0.
@@ -153,6 +166,7 @@ impl Serialize for Source {
 impl std::fmt::Display for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::Guess => f.write_str("guess"),
             Self::Words => f.write_str("words"),
             Self::Start(start) => write!(f, "start {start}"),
         }
@@ -210,6 +224,16 @@ pub struct Excess {
     pub unit: String,
     /// When \[s\].
     pub time: f64,
+}
+
+impl Excess {
+    /// It in words.
+    pub(in crate::ocp) fn words(&self) -> String {
+        format!(
+            "`{}` is violated by {:.1e} {} at {:.6} s of the re-simulation",
+            self.name, self.amount, self.unit, self.time
+        )
+    }
 }
 
 /// A condition that a motion does not meet.
@@ -298,7 +322,7 @@ pub struct Solution {
     /// with these values.
     pub parameters: Vec<FoundParameter>,
     /// How the optimum changes with given parameters, where that is asked for by
-    /// [`Settings::gradient`](super::Settings::gradient); none without a confirmed motion.
+    /// [`Settings::gradient`](super::Settings::gradient); without a plan that was polished why there are no derivatives.
     pub gradient: Option<OptimumGradient>,
     /// What is proved about the contact sequence. `S`: nowhere do gap and force of a contact vanish together, and no
     /// switch sticks to a jump of the controls, so that the sequence has no neighbours. `B`: no neighbour is better.
@@ -319,17 +343,18 @@ pub struct Solution {
     pub(in crate::ocp) cost_departure: f64,
     /// The least distance, of all coordinates, that is let pass between plan and re-simulation.
     pub(in crate::ocp) let_pass: f64,
-    /// The first contact event in which plan and re-simulation differ, in words.
+    /// The first contact event or bound in which plan and re-simulation differ, in words.
     pub disagreement: Option<String>,
     /// Residuals of the plan: violation of its equations and bounds, gradient of the Lagrangian,
     /// and largest `min(gap, normal acceleration)`.
     pub residuals: Residuals,
     /// (time \[s\], kind, contact) of the switches of the plan; a closing counts as an impact.
     pub planned_events: Vec<(f64, EventKind, usize)>,
-    /// Largest violation of the bounds of each coordinate and of each path constraint along the whole plan, and of each condition on
-    /// forces or impulses by those of the re-simulation, where there is any; of the order of the tolerance unless bounds are asked
-    /// for at the nodes only, and of the order of the scheme for forces.
+    /// Largest violation of the bounds of each coordinate, of each path constraint and of each condition on forces or impulses along the
+    /// re-simulation, where there is any; no more than plan and re-simulation may differ unless bounds are asked for at the nodes only.
     pub excess: Vec<Excess>,
+    /// Elements in which plan and re-simulation agree better at bounds, where they differ there.
+    pub(in crate::ocp) finer: Option<Mesh>,
     /// Distances that hold the plan back, the dearest first.
     pub margins: Vec<Margin>,
     /// Controls of each interval, or at each node where they are linear in between.
@@ -362,6 +387,13 @@ pub struct Solution {
     pub previous: Option<Previous>,
     /// Motions from which the best order of contacts was solved; of the time-freezing formulation its variants.
     pub starts: usize,
+    /// The least objective of an order of contacts that reaches the goals off the grid, with controls that change at any time; to the
+    /// tolerance of words, a ten-thousandth. None where no order reaches them, or none was tried.
+    pub bound: Option<f64>,
+    /// Orders of contacts that were tried off the grid.
+    pub words: WordCounts,
+    /// Whether the motion is the simulated one of the scene's guess.
+    pub(in crate::ocp) is_guess: bool,
     /// The distinct local optima that the starts ended at, the best first.
     pub optima: Vec<Optimum>,
     /// The first motion that was confirmed and every better one after it, in order.
@@ -440,6 +472,7 @@ impl Solution {
             planned_events: Vec::new(),
             margins: Vec::new(),
             excess: Vec::new(),
+            finer: None,
             controls: Vec::new(),
             control_times: Vec::new(),
             shape: ControlShape::default(),
@@ -454,8 +487,44 @@ impl Solution {
             time_freezing: None,
             previous: None,
             starts: 0,
+            bound: None,
+            words: WordCounts::default(),
+            is_guess: false,
             optima: Vec::new(),
             improvements: Vec::new(),
+        }
+    }
+
+    /// True if control intervals are divided among the phases instead of being of equal length.
+    pub(in crate::ocp) fn is_aligned(&self) -> bool {
+        let driven = self.controls.first().is_some_and(|u| !u.is_empty());
+        driven && self.previous.as_ref().is_some_and(Previous::is_aligned)
+    }
+
+    /// What is proved about the contact sequence, and where another one may be better: off the grid one is, by more than the grid is let cost,
+    /// or programs of others have no solution, which proves nothing about them.
+    #[must_use]
+    pub fn certificate(&self) -> String {
+        let name = self.stationarity.name();
+        let outdone = |bound: &f64| self.objective - bound > self.tolerated(NEAR);
+        if let Some(bound) = self.bound.filter(outdone) {
+            return format!(
+                "{name}, local; a better order may exist: {} off the grid, not found on these intervals; try another number of \
+                 intervals, or more starts",
+                number(bound)
+            );
+        }
+        let proof = match self.stationarity {
+            Stationarity::S => "a local optimum whose contact sequence has no neighbours",
+            Stationarity::B => {
+                "a local optimum, and no neighbouring contact sequence gives a better one"
+            }
+            Stationarity::None => "no proof that neighbouring contact sequences are no better",
+        };
+        let WordCounts { tried, failed } = self.words;
+        match failed {
+            0 => format!("{name}: {proof}"),
+            _ => format!("{name}: {proof}; {failed} of {tried} orders of contacts are undecided"),
         }
     }
 
@@ -537,6 +606,17 @@ impl Solution {
                 let (name, cost) = margin.map_or(("", 0.0), |m| (&m.name[..], m.cost));
                 Some(format!(
                     "the {name} holds the plan back by about {cost:.1e}; choose another number of intervals"
+                ))
+            }
+            Status::Uncertified if self.is_guess => Some(
+                "no plan was found that is as good as the motion of the scene's own guess, which this is; try more starts or \
+                 another number of intervals"
+                    .to_owned(),
+            ),
+            Status::Uncertified if self.disagreement.is_some() => {
+                let difference = self.disagreement.as_deref().unwrap_or_default();
+                Some(format!(
+                    "the elements of the plan are too coarse: {difference}; raise the number of stages or of intervals"
                 ))
             }
             Status::Uncertified => Some(format!(

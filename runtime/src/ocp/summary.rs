@@ -3,22 +3,11 @@
 use std::fmt;
 use std::ops::Index;
 
-use hangtime_solver::mpcc::Stationarity;
-
 use super::solution::Solution;
 use crate::simulation::number;
 
 /// Share of the largest value of a component to which a plan meets its goals, and more.
 const FULFILLED: f64 = 1e-7;
-
-/// What is proved about a contact sequence.
-fn proof(stationarity: Stationarity) -> &'static str {
-    match stationarity {
-        Stationarity::S => "S, the contact sequence has no neighbours",
-        Stationarity::B => "B, no neighbouring contact sequence is better",
-        Stationarity::None => "none, neighbouring contact sequences were not compared",
-    }
-}
 
 impl Index<&str> for Solution {
     type Output = [f64];
@@ -51,7 +40,7 @@ impl fmt::Display for Solution {
         for found in &self.parameters {
             writeln!(f, "{found}")?;
         }
-        writeln!(f, "stationarity {}", proof(self.stationarity))?;
+        writeln!(f, "stationarity {}", self.certificate())?;
         write!(
             f,
             "the re-simulation ends {:.1e} away from the plan",

@@ -193,8 +193,6 @@ pub(in crate::ocp) mod on_grid {
     /// 353 to 197.
     pub(in crate::ocp) const NEAR: f64 = 0.02;
     pub(in crate::ocp) const SHIFTS: usize = 30;
-    /// Most places of all switches at once that are tried after these. Chosen: all of two, but for those out of order.
-    pub(in crate::ocp) const NEARBY: usize = 24;
     pub(in crate::ocp) const ENTRY: f64 = 0.1;
     /// Most moves of the switches of a word. Chosen.
     pub(in crate::ocp) const MOVES: usize = 8;
@@ -211,7 +209,8 @@ pub(in crate::ocp) mod on_grid {
     pub(in crate::ocp) const LEAST: usize = 8;
     /// Motions on the grid that go on to the judge, the best first. Chosen.
     pub(in crate::ocp) const JUDGED: usize = 3;
-    /// Simulated motions that programs start from where no word leads to one. Chosen: the one without controls, and the two best.
+    /// Simulated motions that programs start from where no word leads to one, and places where the motion of the guess may end that are looked
+    /// at. Chosen: the one without controls, and the two best.
     pub(in crate::ocp) const SIMULATED: usize = 3;
     /// By how much elements become more at most where intervals are aligned with phases and a motion is not confirmed. Chosen.
     pub(in crate::ocp) const FINEST: usize = 8;

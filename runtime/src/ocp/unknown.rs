@@ -3,11 +3,12 @@
 //! A parameter is one variable of each program: the stages of a motion read the one at its start, and it has no rows. So it joins all
 //! intervals like the final time does.
 
+use crate::derivative::SequenceRange;
 use crate::model::{Given, Model, held};
-use crate::ocp::parameters::FoundParameter;
+use crate::ocp::parameters::{FoundParameter, OptimumGradient};
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Settings;
-use crate::ocp::solution::Solution;
+use crate::ocp::solution::{Solution, Status};
 use crate::refusal;
 use crate::simulation::InputError;
 
@@ -177,11 +178,32 @@ fn extended(
 }
 
 impl Unknown<'_> {
+    /// What is said of derivatives of a solution with that status that has none.
+    fn no_gradient(&self, status: Status) -> OptimumGradient {
+        let declared = self.scene.declaration().parameters;
+        let count = self.gradient.len();
+        let status = status.name();
+        let why = format!("the search left no plan with multipliers, it ended as {status}");
+        OptimumGradient {
+            parameters: self.gradient.clone(),
+            names: self.gradient.iter().map(|&i| declared[i].name).collect(),
+            objective: vec![f64::NAN; count],
+            obstacles: vec![Some(why); count],
+            sides: vec![None; count],
+            final_time: vec![None; count],
+            ranges: vec![SequenceRange::default(); count],
+        }
+    }
+
     /// A solution of the problem as one of the scene with the values that were found.
     pub(in crate::ocp) fn of_scene(&self, mut solution: Solution) -> Solution {
         let n = self.scene.declaration().coordinates.len();
-        if let Some(gradient) = &mut solution.gradient {
+        if !self.gradient.is_empty() {
+            let status = solution.status;
+            let gradient = solution.gradient;
+            let mut gradient = gradient.unwrap_or_else(|| self.no_gradient(status));
             gradient.reorder(&self.gradient);
+            solution.gradient = Some(gradient);
         }
         let Some(motion) = &mut solution.motion else {
             return solution;

@@ -14,7 +14,7 @@ pub(crate) struct Bounce {
 
 /// An instant of a motion: its state, its contact mode, and what counts as zero.
 pub(crate) trait Instant<'a> {
-    /// Why an impact has no single outcome.
+    /// Why what happens has no single outcome.
     type Error;
 
     /// The contacts, as last evaluated.
@@ -34,6 +34,9 @@ pub(crate) trait Instant<'a> {
 
     /// Rates of what the model reads besides coordinates and velocities: controls, and the time.
     fn rates(&mut self) -> Vec<f64>;
+
+    /// Accelerations in the present mode.
+    fn accelerations(&mut self) -> Vec<f64>;
 
     /// What a contact does in the present mode.
     fn state(&self, contact: usize) -> ContactState;
@@ -58,6 +61,9 @@ pub(crate) trait Instant<'a> {
     /// # Errors
     /// Where no impulses fulfil it, or several do with different motions.
     fn solve(view: &View<'a>, touching: Touching, offsets: &[f64]) -> Result<Balance, Self::Error>;
+
+    /// Two conditions that come true at one instant set the same to different values, this one among them.
+    fn set_twice(&self, condition: usize) -> Self::Error;
 
     /// Whether impacts of these contacts one after the other may stand for one of all at once, which has failed.
     fn may_follow(&self, error: &Self::Error, struck: &[usize]) -> bool;

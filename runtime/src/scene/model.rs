@@ -136,6 +136,18 @@ impl<S: Scene> Model for S {
         Some(value(self, kernel, &[]))
     }
 
+    fn positive(&self) -> Vec<(&'static str, &'static str, f64)> {
+        let Some((kernel, named)) = self.structure().given.positive else {
+            return Vec::new();
+        };
+        let mut values = vec![0.0; named.len()];
+        self.evaluate(kernel, &[], &[], &mut values);
+        let named = named.iter().zip(values);
+        named
+            .map(|(&(what, unit), value)| (what, unit, value))
+            .collect()
+    }
+
     fn bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
         bounds(self, self.structure().given.bounds, lower, upper);
     }

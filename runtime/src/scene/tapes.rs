@@ -3,8 +3,8 @@
 use crate::model::{Explicit, Tape};
 use hangtime_dsl::description::{Description, ExplicitFunction, Kernel};
 
-/// Explicit functions of a contact: gap, normal side, tangential side, second tangential side.
-const OF_CONTACT: usize = 4;
+/// Explicit functions of a contact: gap, normal side, tangential side, second tangential side, factor of friction.
+const OF_CONTACT: usize = 5;
 
 /// The explicit functions of a scene.
 #[derive(Debug)]
@@ -31,6 +31,7 @@ impl Tapes {
                 ExplicitFunction::Normal(i) => (i, 1),
                 ExplicitFunction::Tangent(i) => (i, 2),
                 ExplicitFunction::Across(i) => (i, 3),
+                ExplicitFunction::Share(i) => (i, 4),
             };
             tapes.contacts[OF_CONTACT * contact + kind] = Some(kernel);
         }
@@ -48,6 +49,7 @@ impl Tapes {
             Explicit::Normal(i) => of(i, 1),
             Explicit::Tangent(i) => of(i, 2),
             Explicit::Across(i) => of(i, 3),
+            Explicit::Share(i) => of(i, 4),
         }?;
         Some(Tape {
             operations: &stored.operations,

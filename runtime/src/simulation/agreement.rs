@@ -3,10 +3,14 @@
 use super::{
     Counts, Diagnosis, Event, EventKind, InitialValueProblem, Simulation, SimulationStatus,
 };
-use crate::model::Model;
+use crate::model::{ImpactLaw, Model};
 
 /// Share of a coordinate that is rounding error.
 const ROUNDING: f64 = 1e-12;
+
+/// Share of the velocities at its ends by which a flight may be wrong in all runs alike: the rounding of a sum with the weights of Dormand
+/// and Prince, whose sizes sum up to 13.
+const OF_FLIGHT: f64 = 13.0 * f64::EPSILON;
 
 /// Coordinates that move by less than this share of what the kinetic energy could make of them are measured by it: an
 /// angle that only rounding error turns has no size of its own.
@@ -15,13 +19,24 @@ const IDLE: f64 = 1e-3;
 /// Least share of what free bodies would do in the time of the run: where all are held only rounding error moves them.
 const HELD: f64 = 1e-9;
 
+/// What tells of an error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum By {
+    /// The difference of two runs.
+    Runs,
+    /// The errors of the steps of one.
+    Steps,
+    /// Rounding of the flights of one, which smaller steps leave as it is.
+    Flights,
+}
+
 /// How far two runs to the same horizon are apart.
 pub(super) struct Comparison {
     /// Largest difference at their ends and events, as a share of the largest values, or what the finer one knows of its
-    /// steps if that is more; infinite where one has no end.
+    /// steps or its flights if that is more; infinite where one has no end.
     pub(super) error: f64,
-    /// What the finer one knows of its steps, if that is more than the difference.
-    steps: Option<f64>,
+    /// What tells of the error.
+    by: By,
     /// Time up to which they have the same events at the same places, to the share that is promised \[s\].
     until: f64,
 }
@@ -36,13 +51,19 @@ impl Comparison {
         promise: f64,
     ) -> Self {
         let sizes = Sizes::of(finer, model, problem);
-        let apart = difference(coarser, finer, &sizes);
-        let steps = finer.error_estimate.filter(|steps| *steps > apart);
-        let error = steps.unwrap_or(apart);
+        let known = [
+            (difference(coarser, finer, &sizes), By::Runs),
+            (finer.error_estimate.unwrap_or(0.0), By::Steps),
+            (of_flights(finer, model, &problem.q), By::Flights),
+        ];
+        let [first, others @ ..] = known;
+        let larger =
+            |most: (f64, By), other: (f64, By)| if other.0 > most.0 { other } else { most };
+        let (error, by) = others.into_iter().fold(first, larger);
         finer.error_estimate = Some(error);
         Self {
             error,
-            steps,
+            by,
             until: agreed_until(coarser, finer, &sizes, promise),
         }
     }
@@ -54,19 +75,21 @@ impl Comparison {
 
     /// The difference, unless the finer run knows of a larger error.
     pub(super) fn apart(&self) -> Option<f64> {
-        self.steps.is_none().then_some(self.error)
+        (self.by == By::Runs).then_some(self.error)
+    }
+
+    /// Whether smaller steps leave the error as it is.
+    pub(super) fn stays(&self) -> bool {
+        self.by == By::Flights
     }
 
     /// The error in words.
     pub(super) fn words(&self) -> String {
-        match self.steps {
-            Some(error) => {
-                format!("the errors of their steps sum up to {error:.1e} of the largest values")
-            }
-            None => format!(
-                "differ by {:.1e} of the largest values at the end",
-                self.error
-            ),
+        let error = format!("{:.1e} of the largest values", self.error);
+        match self.by {
+            By::Runs => format!("differ by {error} at the end"),
+            By::Steps => format!("the errors of their steps sum up to {error}"),
+            By::Flights => format!("rounding of their flights sums up to {error}"),
         }
     }
 
@@ -103,6 +126,21 @@ struct Sizes {
 }
 
 impl Sizes {
+    /// The motion of a run from `start` alone, which may be none.
+    fn moved(run: &Simulation, start: &[f64]) -> Self {
+        let (mut way, mut speed) = (vec![0.0_f64; start.len()], vec![0.0_f64; start.len()]);
+        for (q, v) in run.trajectory.q.iter().zip(&run.trajectory.v) {
+            for (k, start) in start.iter().enumerate() {
+                way[k] = way[k].max((q[k] - start).abs());
+                speed[k] = speed[k].max(v[k].abs());
+            }
+        }
+        Self {
+            way: of_unit(run, &way),
+            speed: of_unit(run, &speed),
+        }
+    }
+
     /// Of the motion of a run with a trajectory.
     fn of(run: &Simulation, model: &dyn Model, problem: &InitialValueProblem) -> Self {
         let (n, horizon, start) = (problem.q.len(), problem.horizon, problem.input(model));
@@ -117,14 +155,12 @@ impl Sizes {
             |(q, a): (&f64, &f64)| (ROUNDING * q.abs()).max(HELD * a.abs() * horizon.powi(2));
         let mut way: Vec<f64> = problem.q.iter().zip(&free).map(held).collect();
         let mut speed: Vec<f64> = way.iter().map(|way| way / horizon).collect();
-        let mut energy = 0.0_f64;
-        for (q, v) in run.trajectory.q.iter().zip(&run.trajectory.v) {
-            for k in 0..n {
-                way[k] = way[k].max((q[k] - problem.q[k]).abs());
-                speed[k] = speed[k].max(v[k].abs());
-            }
-            energy = energy.max(squared(&mass, v));
+        let moved = Self::moved(run, &problem.q);
+        for k in 0..n {
+            (way[k], speed[k]) = (way[k].max(moved.way[k]), speed[k].max(moved.speed[k]));
         }
+        let velocities = run.trajectory.v.iter();
+        let energy = velocities.fold(0.0_f64, |most, v| most.max(squared(&mass, v)));
         let (mut way, mut speed) = (of_unit(run, &way), of_unit(run, &speed));
         let places: Vec<f64> = problem.q.iter().map(|q| q.abs()).collect();
         for (k, place) in of_unit(run, &places).into_iter().enumerate() {
@@ -195,6 +231,41 @@ fn difference(a: &Simulation, b: &Simulation, sizes: &Sizes) -> f64 {
     apart(qa, qb, &sizes.way)
         .max(apart(va, vb, &sizes.speed))
         .max(at_events(&a.events, &b.events, sizes))
+}
+
+/// What rounding leaves at the end of a run with many impacts: each flight adds to the error of the velocities, of which an impact keeps
+/// the share that its restitution does, and all of them go on with it.
+fn of_flights(run: &Simulation, model: &dyn Model, start: &[f64]) -> f64 {
+    let sizes = Sizes::moved(run, start);
+    let listed = run.events.len().max(1) as f64;
+    let added = OF_FLIGHT * (run.counts.events as f64 / listed).max(1.0);
+    let n = sizes.way.len();
+    let (mut way, mut speed, mut since) = (vec![0.0; n], vec![0.0; n], 0.0);
+    let mut go_on = |until: f64, speed: &[f64]| {
+        let pairs = way.iter_mut().zip(speed);
+        pairs.for_each(|(way, speed)| *way += (until - since) * speed);
+        since = until;
+    };
+    for event in &run.events {
+        if event.kind != EventKind::Impact {
+            continue;
+        }
+        go_on(event.time, &speed);
+        let kept = match model.declaration().contacts[event.contact].law {
+            ImpactLaw::Inelastic => 0.0,
+            ImpactLaw::Restitution => model.restitution(event.contact),
+        };
+        for (k, speed) in speed.iter_mut().enumerate() {
+            let [before, after] = [&event.v_before, &event.v_after].map(|v| added * v[k].abs());
+            *speed = kept * (*speed + before) + after;
+        }
+    }
+    go_on(run.trajectory.time.last().copied().unwrap_or(0.0), &speed);
+    let pairs = way
+        .iter()
+        .chain(&speed)
+        .zip(sizes.way.iter().chain(&sizes.speed));
+    pairs.fold(0.0, |most, (error, &size)| worse(most, *error, size))
 }
 
 /// The larger of `most` and a difference as a share of `size`; what is not a number is infinite.
@@ -271,7 +342,6 @@ impl Spent {
         self.counts.newton += run.counts.newton;
         self.counts.factorizations += run.counts.factorizations;
         self.counts.evaluations += run.counts.evaluations;
-        self.counts.fallbacks += run.counts.fallbacks;
         self.seconds += run.seconds.total;
     }
 

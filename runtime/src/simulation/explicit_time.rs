@@ -8,19 +8,18 @@
 //! their range. A sinusoid gets about six steps a period by that, a pulse as many.
 
 use crate::enclosure::{Bounds, Range, calm_parts};
-use crate::model::{Explicit, Model, contact_point, friction_coefficients, tangent_point};
+use crate::model::{Explicit, Model, SparsityPattern, friction_coefficients};
 use crate::simulation::InitialValueProblem;
 
 /// Share of the horizon that is a moment: no step is asked for that is much shorter.
 const MOMENT: f64 = 1e-4;
-/// Most parts of a step. Chosen: what acts at more places than this is resolved by a shorter one.
-const MOST_PARTS: usize = 64;
+/// Most parts of a step, and parts of the horizon that tell the range of functions before the run where more of them would be calm. Chosen:
+/// what acts at more places than this is resolved by a shorter step.
+const MOST_PARTS: usize = 256;
 /// Part of a sine over which a step tells it \[rad\].
 const WAVE: f64 = 1.0;
 /// Places in a part of a step in which nothing is hidden.
 const PLACES: [f64; 4] = [0.21, 0.55, 0.83, 1.0];
-/// Parts of the horizon that tell the range of functions before the run, where more of them would be calm.
-const FIRST_PARTS: usize = 256;
 /// Share of the range of a function that the cubic may miss.
 const MISSED: f64 = 1e-3;
 /// Share of the largest value of a function that is rounding.
@@ -34,8 +33,10 @@ const SHORTEST: f64 = 0.125;
 
 /// What a model with explicit time does in the steps to come.
 pub(super) struct ExplicitTime<'a> {
-    functions: Functions<'a>,
+    functions: Vec<Explicit>,
     bounds: Bounds<'a>,
+    /// Input vector of the model.
+    x: Vec<f64>,
     /// A moment \[s\].
     moment: f64,
     /// Least and largest value of each function so far.
@@ -51,118 +52,46 @@ pub(super) struct ExplicitTime<'a> {
     too_fast: Option<(f64, f64, &'static str)>,
 }
 
-/// The functions that read the time: accelerations without contacts; gap, normal velocity and curvature of contacts; sliding
-/// velocity and curvature of friction.
-struct Functions<'a> {
-    model: &'a dyn Model,
-    accelerations: bool,
-    contacts: Vec<usize>,
-    tangents: Vec<usize>,
-    /// All of them whose operations may be known.
-    explicit: Vec<Explicit>,
-    /// Input vector of the model.
-    x: Vec<f64>,
-    acceleration: Vec<f64>,
-    point: Vec<f64>,
-    tangent: Vec<f64>,
-}
-
-impl<'a> Functions<'a> {
-    /// Those of a model; none if it does not read the time.
-    fn of(model: &'a dyn Model) -> Option<Self> {
-        let declaration = model.declaration();
-        if !declaration.explicit_time {
-            return None;
-        }
-        let n = declaration.coordinates.len();
-        let time = declaration.inputs() - 1;
-        let contacts = declaration.contacts;
-        let friction = friction_coefficients(model);
-        let reads = |i: &usize| {
-            (0..contacts[*i].jacobian.rows).any(|row| contacts[*i].jacobian.reads(row, time))
-        };
-        let slides = |i: &usize| {
-            let pattern = contacts[*i].friction.map(|friction| friction.jacobian);
-            let across = contacts[*i].friction.and_then(|friction| friction.across);
-            let mut patterns = pattern.into_iter().chain(across);
-            friction[*i] > 0.0 && patterns.any(|p| (0..p.rows).any(|row| p.reads(row, time)))
-        };
-        let free = declaration.free_jacobian;
-        let accelerations = (0..n).any(|row| free.reads(row, time));
-        let normal: Vec<usize> = (0..contacts.len()).filter(reads).collect();
-        let tangents: Vec<usize> = (0..contacts.len()).filter(slides).collect();
-        let motion = accelerations.then_some(Explicit::Motion).into_iter();
-        let explicit = motion.chain(normal.iter().map(|&i| Explicit::Normal(i)));
-        let sides = |&i: &usize| [Explicit::Tangent(i), Explicit::Across(i)];
-        let explicit = explicit.chain(tangents.iter().flat_map(sides)).collect();
-        Some(Self {
-            model,
-            explicit,
-            accelerations,
-            contacts: normal,
-            tangents,
-            x: vec![0.0; declaration.inputs()],
-            acceleration: vec![0.0; n],
-            point: vec![0.0; contact_point::length(n)],
-            tangent: vec![0.0; tangent_point::length(n)],
-        })
-    }
-
-    fn count(&self) -> usize {
-        let accelerations = if self.accelerations {
-            self.acceleration.len()
-        } else {
-            0
-        };
-        let beyond = self.tangents.iter().map(|&contact| {
-            let friction = self.model.declaration().contacts[contact].friction;
-            friction.map_or(0, |known| {
-                usize::from(known.share) + 2 * usize::from(known.across.is_some())
-            })
-        });
-        let beyond: usize = beyond.sum();
-        accelerations + 3 * self.contacts.len() + 2 * self.tangents.len() + beyond
-    }
-
-    /// Appends their values at `time` and the state of the input vector to `values`.
-    fn append(&mut self, time: f64, values: &mut Vec<f64>) {
-        if let Some(last) = self.x.last_mut() {
-            *last = time;
-        }
-        if self.accelerations {
-            self.model
-                .free_acceleration(&self.x, &mut self.acceleration);
-            values.extend_from_slice(&self.acceleration);
-        }
-        for &contact in &self.contacts {
-            self.model.contact(contact, &self.x, &mut self.point);
-            values.extend_from_slice(&self.point[..=contact_point::CURVATURE]);
-        }
-        for &contact in &self.tangents {
-            self.model.tangent(contact, &self.x, &mut self.tangent);
-            values.extend_from_slice(&self.tangent[..=tangent_point::CURVATURE]);
-            let Some(friction) = self.model.declaration().contacts[contact].friction else {
-                continue;
-            };
-            if friction.share {
-                values.push(self.model.friction_share(contact, &self.x));
-            }
-            if friction.across.is_some() {
-                self.model.across(contact, &self.x, &mut self.tangent);
-                values.extend_from_slice(&self.tangent[..=tangent_point::CURVATURE]);
-            }
-        }
-    }
+/// The functions of a model that read the time: accelerations without contacts, normal sides of contacts, tangential sides with friction and
+/// its factor.
+fn functions(model: &dyn Model) -> Vec<Explicit> {
+    let declaration = model.declaration();
+    let time = declaration.inputs().saturating_sub(1);
+    let reads = |pattern: SparsityPattern| (0..pattern.rows).any(|row| pattern.reads(row, time));
+    let motion = reads(declaration.free_jacobian).then_some(Explicit::Motion);
+    let coefficients = friction_coefficients(model);
+    let of_contact = |i: usize| {
+        let known = &declaration.contacts[i];
+        let friction = known.friction.filter(|_| coefficients[i] > 0.0);
+        let sides = friction
+            .into_iter()
+            .flat_map(|known| [Some(known.jacobian), known.across]);
+        let slides = sides.flatten().any(reads);
+        let tangential = [
+            Explicit::Tangent(i),
+            Explicit::Across(i),
+            Explicit::Share(i),
+        ];
+        let normal = reads(known.jacobian).then_some(Explicit::Normal(i));
+        normal
+            .into_iter()
+            .chain(tangential.into_iter().filter(move |_| slides))
+    };
+    let contacts = (0..declaration.contacts.len()).flat_map(of_contact);
+    motion.into_iter().chain(contacts).collect()
 }
 
 impl<'a> ExplicitTime<'a> {
     /// That of a model along a problem; none if the model does not read the time.
     pub(super) fn of(model: &'a dyn Model, problem: &InitialValueProblem) -> Option<Self> {
-        let functions = Functions::of(model)?;
+        if !model.declaration().explicit_time {
+            return None;
+        }
         let mut time = Self {
-            ranges: vec![(f64::INFINITY, f64::NEG_INFINITY); functions.count()],
-            functions,
+            ranges: Vec::new(),
+            functions: functions(model),
             bounds: Bounds::new(model),
+            x: problem.input(model),
             moment: MOMENT * problem.horizon,
             values: Vec::new(),
             places: Vec::new(),
@@ -170,11 +99,10 @@ impl<'a> ExplicitTime<'a> {
             limited: false,
             too_fast: None,
         };
-        time.functions.x.copy_from_slice(&problem.input(model));
         // Before the run it is seen which values functions have, as far as they are told.
         let parts = time.calm_parts(0.0, problem.horizon).unwrap_or_else(|| {
-            let at = |k: usize| k as f64 / FIRST_PARTS as f64;
-            (0..FIRST_PARTS).map(|k| [at(k), at(k + 1)]).collect()
+            let at = |k: usize| k as f64 / MOST_PARTS as f64;
+            (0..MOST_PARTS).map(|k| [at(k), at(k + 1)]).collect()
         });
         time.look(0.0, problem.horizon, &parts);
         Some(time)
@@ -182,7 +110,7 @@ impl<'a> ExplicitTime<'a> {
 
     /// The longest step of at most `wanted` from the input vector `x` that resolves what depends on time.
     pub(super) fn longest(&mut self, x: &[f64], wanted: f64) -> f64 {
-        self.functions.x.copy_from_slice(x);
+        self.x.copy_from_slice(x);
         let from = x.last().copied().unwrap_or_default();
         let mut length = wanted.min((GROWTH * self.last).max(SHORT * self.moment));
         self.limited = false;
@@ -214,10 +142,10 @@ impl<'a> ExplicitTime<'a> {
 
     /// Parts of a step in each of which nothing is hidden; none if there are too many.
     fn calm_parts(&mut self, from: f64, length: f64) -> Option<Vec<[f64; 2]>> {
-        let (x, bounds) = (&self.functions.x, &mut self.bounds);
+        let (x, bounds) = (&self.x, &mut self.bounds);
         let last = x.len() - 1;
         calm_parts(MOST_PARTS, |part| {
-            self.functions.explicit.iter().all(|&function| {
+            self.functions.iter().all(|&function| {
                 bounds.is_calm((function, WAVE), part, |k, part| {
                     if k == last {
                         let [begin, end] = part.map(|share| from + share * length);
@@ -247,14 +175,21 @@ impl<'a> ExplicitTime<'a> {
             .iter()
             .flat_map(|[a, b]| PLACES.map(|place| a + place * (b - a)));
         self.places.extend(std::iter::once(0.0).chain(inner));
+        let last = self.x.len() - 1;
         for place in &self.places {
-            self.functions
-                .append(from + place * length, &mut self.values);
+            self.x[last] = from + place * length;
+            for &function in &self.functions {
+                let x = &self.x;
+                if self.bounds.evaluate(function, |k| Range::of(x[k])) {
+                    self.values
+                        .extend(self.bounds.outputs().map(|value| value.low));
+                }
+            }
         }
-        if self.ranges.is_empty() {
-            return;
-        }
-        for row in self.values.chunks_exact(self.ranges.len()) {
+        let count = self.values.len() / self.places.len();
+        self.ranges
+            .resize(count, (f64::INFINITY, f64::NEG_INFINITY));
+        for row in self.values.chunks_exact(count.max(1)) {
             for (range, &value) in self.ranges.iter_mut().zip(row) {
                 if value.is_finite() {
                     *range = (range.0.min(value), range.1.max(value));
@@ -288,7 +223,7 @@ impl<'a> ExplicitTime<'a> {
     /// Takes note of the first of `count` elements of a grid from the input vector `x`, of this `length`, that does not even resolve
     /// with its halves what depends on time.
     pub(super) fn watch(&mut self, x: &[f64], length: f64, count: usize) {
-        self.functions.x.copy_from_slice(x);
+        self.x.copy_from_slice(x);
         let from = x.last().copied().unwrap_or_default();
         let half = 0.5 * length;
         for k in 0..2 * count {

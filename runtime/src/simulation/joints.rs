@@ -12,6 +12,7 @@ use super::{
 use crate::joints::{JointError, Joints};
 use crate::model::{JointsDeclaration, Model, Pieces, contact_point, joint_rows};
 use crate::refusal;
+use crate::run::resets;
 
 /// Newton steps of the start.
 const STEPS: usize = 100;
@@ -58,6 +59,8 @@ impl<'a> Closed<'a> {
         if model.declaration().joints.is_some() {
             check_surfaces(model, problem)?;
         }
+        let conditions = resets::true_at_start(model, &problem.input(model));
+        closed.notes.extend(conditions);
         Ok(closed)
     }
 
@@ -113,10 +116,11 @@ impl<'a> Closed<'a> {
         self.end(run, false);
     }
 
-    fn end(self, run: &mut Simulation, locates: bool) {
+    fn end(&self, run: &mut Simulation, locates: bool) {
         let (model, problem) = self.scene();
         let struck = struck_at_start::notes(model, problem, run, locates);
         run.notes.extend(struck);
+        run.notes.extend_from_slice(&self.notes);
         let Some(declared) = model.declaration().joints else {
             return;
         };
@@ -125,7 +129,6 @@ impl<'a> Closed<'a> {
             run.status = status;
         }
         pass_singular(model, &declared, run);
-        run.notes.extend(self.notes);
     }
 }
 

@@ -31,6 +31,7 @@ mod singular;
 mod state;
 mod struck_at_start;
 mod trajectory;
+mod verdict;
 mod watch;
 
 pub use crate::InputError;

@@ -95,19 +95,6 @@ impl Near {
             })
     }
 
-    /// Tells no more which are far until steps are expected again; returns those that were.
-    pub(in crate::simulation) fn forget(&mut self) -> Vec<usize> {
-        self.step = 0.0;
-        self.low.clear();
-        self.high.clear();
-        self.contacts.clear();
-        self.contacts.extend(0..self.far.len());
-        let far = self.contacts.iter().copied();
-        let news = far.filter(|&contact| self.far[contact]).collect();
-        self.far.fill(false);
-        news
-    }
-
     /// Expects steps of about that length.
     pub(in crate::simulation) fn expect_step(&mut self, h: f64) {
         self.step = h;
@@ -253,7 +240,6 @@ mod tests {
         assert_eq!(near.contacts(), [5]);
         assert_eq!(look(&mut near, &[1.0, 0.1, 1.0, 1.0])[..1], [(2, true)]);
         assert_eq!(near.contacts(), [0, 1, 4, 5]);
-        assert_eq!(near.forget(), [2, 3]);
     }
 
     #[test]

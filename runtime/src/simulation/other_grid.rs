@@ -15,7 +15,7 @@ use super::{along, poles};
 use crate::model::Model;
 
 /// Estimated error above which a run says so: what a curve in a figure shows.
-const SUSPECT: f64 = 1e-3;
+pub(super) const SUSPECT: f64 = 1e-3;
 /// Estimated error above which a run that locates nothing is none: the largest values themselves, of which it then says nothing.
 const WORTHLESS: f64 = 1.0;
 /// Steps of a run that is compared with another one, besides half of them: what steps of one length do not see of an

@@ -217,6 +217,11 @@ impl InitialValueProblem {
                 ));
             }
         }
+        let mut positive = model.positive().into_iter();
+        if let Some((what, unit, value)) = positive.find(|own| own.2.is_nan() || own.2 <= 0.0) {
+            let bound = "above 0, for these parameters";
+            return Err(refusal::out_of_range(what, value, unit, bound));
+        }
         let n = declaration.coordinates.len();
         length("initial coordinates", self.q.len(), n)?;
         length("initial velocities", self.v.len(), n)?;
@@ -539,6 +544,14 @@ pub(crate) fn leaps(name: &str) -> String {
     format!(
         "the gap of `{name}` changes its sign without passing zero, through infinity or by a jump, so that nothing can close; \
          check divisions, poles and angles of the scene"
+    )
+}
+
+/// What is wrong where a condition changes at a pole or a jump of its function.
+pub(crate) fn has_pole(name: &str) -> String {
+    format!(
+        "the function of the condition `{name}` changes its sign without passing zero, through infinity or by a jump, where neither side \
+         is told from rounding; write the condition with a function that is continuous"
     )
 }
 

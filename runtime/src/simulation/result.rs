@@ -57,7 +57,7 @@ pub struct Simulation {
     pub trajectory: Trajectory,
     /// Largest residuals measured over the whole run: of the discrete equations and of the contact constraints while in
     /// contact (`primal`), of signs, that is negative contact forces or penetration (`dual`), and of products of a gap and
-    /// its normal contact acceleration (`complementarity`).
+    /// its normal contact acceleration (`complementarity`). A run is solved only where none is above its tolerance.
     pub residuals: Residuals,
     /// Error at the end and at events relative to the largest values of the motion: the difference to a looser run, with
     /// another tolerance, on half the steps or with twice the width, or the sum of the errors of the steps where that is
@@ -74,7 +74,7 @@ pub struct Simulation {
     /// Functions of the contact mode that were interpolated: between the places at which they were evaluated nothing bounds them, so that
     /// an event might be missed there. Those of all others are enclosed. None by methods that locate no events.
     pub interpolated: Option<Vec<String>>,
-    /// Remarks that a user should read: the impact law used for simultaneous impacts, fallbacks.
+    /// Remarks that a user should read: the impact law used for simultaneous impacts.
     pub notes: Vec<String>,
 }
 
@@ -278,7 +278,7 @@ pub enum SimulationStatus {
     /// The limit on the number of events was reached before the horizon.
     EventLimit(Diagnosis),
     /// Reached the horizon, but not with the accuracy that is promised: the time of the diagnosis is that of the last
-    /// event up to which two runs agree.
+    /// event up to which two runs agree, or at which a condition of a contact is missed.
     Inaccurate(Diagnosis),
 }
 
@@ -546,8 +546,6 @@ pub struct Counts {
     pub evaluations: usize,
     /// Accepted steps or finite elements.
     pub elements: usize,
-    /// Steps that needed the interior point fallback.
-    pub fallbacks: usize,
     /// Switches of the contact mode, listed or not; 0 for methods without events.
     #[serde(skip)]
     pub events: usize,
@@ -561,7 +559,6 @@ impl Counts {
         self.newton += other.newton;
         self.factorizations += other.factorizations;
         self.evaluations += other.evaluations;
-        self.fallbacks += other.fallbacks;
         self
     }
 }

@@ -12,8 +12,7 @@
 
 use super::Simulation;
 use crate::contact::shares::{self, Shares};
-use crate::contact::sharing;
-use crate::contact::{ActiveContact, ContactState, stuck};
+use crate::contact::{ActiveContact, ContactState, stuck, unbiased_lines};
 use crate::fesd::contacts::{Contacts, Line};
 use crate::linalg::dense;
 use crate::linalg::least_norm::LeastNorm;
@@ -235,8 +234,7 @@ fn redundant(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Vec
             slope: 0.0,
         };
         forces[contact] == 0.0
-            && sharing::is_independent(contacts, &active, line)
-                .is_ok_and(|independent| !independent)
+            && shares::is_free(contacts, &unbiased_lines(&active), line).is_ok_and(|free| !free)
     };
     touching.iter().copied().filter(held).collect()
 }

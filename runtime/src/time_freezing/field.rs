@@ -26,18 +26,14 @@ pub(crate) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    /// The step form in which the contacts in `resting` do not bounce.
-    pub(crate) fn new(
-        model: &'a dyn Model,
-        auxiliary_acceleration: f64,
-        resting: &[usize],
-    ) -> Self {
+    /// The step form.
+    pub(crate) fn new(model: &'a dyn Model, auxiliary_acceleration: f64) -> Self {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
         let count = declaration.contacts.len();
         let friction = friction_coefficients(model);
         let restitution = |i: usize| match declaration.contacts[i].law {
-            ImpactLaw::Restitution if !resting.contains(&i) => model.restitution(i),
+            ImpactLaw::Restitution => model.restitution(i),
             _ => 0.0,
         };
         let restitution: Vec<f64> = (0..count).map(restitution).collect();

@@ -191,9 +191,6 @@ fn controls(transcription: &Transcription<'_>, k: usize, elapsed: f64) -> Vec<f6
             *control += share.clamp(0.0, 1.0) * (after - *control);
         }
     }
-    for (control, slope) in controls.iter_mut().zip(&task.slopes) {
-        *control += slope * elapsed;
-    }
     controls
 }
 

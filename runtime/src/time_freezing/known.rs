@@ -243,7 +243,6 @@ mod tests {
         let task = Task {
             time: 0.0,
             linear: false,
-            slopes: Vec::new(),
             intervals: 1,
             elements: 5,
             coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
@@ -251,7 +250,7 @@ mod tests {
             guess: Guess::Known(vec![spans]),
         };
         let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
-        let field = Field::new(&*BEAD, 50.0, &[]);
+        let field = Field::new(&*BEAD, 50.0);
         let mut transcription = Transcription::new(program, outer, field, &tableau, task);
         guess::set_guess(&mut transcription);
         rows::add(&mut transcription);
@@ -269,11 +268,11 @@ mod tests {
         let corrected = program.elements.iter().map(|e| e.corrections.len());
         assert_eq!(corrected.collect::<Vec<_>>(), [0, 0, 0, 1, 1]);
         assert_eq!(
-            program.variable_name(program.elements[3].sums - 1),
+            program.program.variable_name(program.elements[3].sums - 1),
             "correction along floor at stage 1 of element 3 of interval 0, 0.0000 to 0.2000 s"
         );
         assert_eq!(
-            program.variable_name(length(3)),
+            program.program.variable_name(length(3)),
             "length of element 3 of interval 0, 0.0000 to 0.2000 s"
         );
         let worst = worst_derivative(&mut program);

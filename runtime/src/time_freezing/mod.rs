@@ -168,7 +168,7 @@ mod guess;
 mod known;
 pub(crate) mod laid_out;
 mod layout;
-mod modes;
+pub(crate) mod modes;
 mod names;
 mod rows;
 pub(crate) mod step_form;

@@ -21,7 +21,7 @@ pub(super) enum Mode {
 }
 
 /// Which paired variables, and which terms of paired sums, vanish near `x`.
-pub(super) fn mark_vanishing(transcription: &Transcription<'_>, x: &[f64], vanishes: &mut [bool]) {
+pub(crate) fn mark_vanishing(transcription: &Transcription<'_>, x: &[f64], vanishes: &mut [bool]) {
     let pairs = transcription.program.complementarities().iter();
     let products = pairs.map(|&(i, j)| x[i] * x[j]);
     let zero = BOTH_ZERO * products.fold(0.0, f64::max).sqrt();

@@ -471,12 +471,6 @@ fn add_drive(transcription: &mut Transcription<'_>, interval: usize, block: &Blo
             program.bilinear(row, clock, after, -count / length);
             program.linear(row, before, -count * start / length);
             program.linear(row, after, count * start / length);
-        } else if let Some(&slope) = transcription.task.slopes.get(i) {
-            let row = transcription.row_in(unit, name, Purpose::Control, -slope * start);
-            let program = &mut transcription.program;
-            program.linear(row, control, 1.0);
-            program.linear(row, before, -1.0);
-            program.linear(row, clock, -slope);
         }
     }
 }

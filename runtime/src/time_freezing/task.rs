@@ -18,8 +18,6 @@ pub(crate) struct Task {
     pub(crate) time: f64,
     /// Whether controls are linear between nodes.
     pub(crate) linear: bool,
-    /// Rates of controls that are given at the start; empty where they are constant.
-    pub(crate) slopes: Vec<f64>,
     /// Control intervals of equal physical length.
     pub(crate) intervals: usize,
     /// Finite elements of each interval.

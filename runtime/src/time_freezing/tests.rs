@@ -16,8 +16,6 @@ use hangtime_solver::nlp::{NlpProblem, check_derivatives};
 enum Unknown {
     /// Nothing: the controls are given.
     Nothing,
-    /// Nothing, and the controls change with time.
-    NothingUnderRamps,
     /// Controls, horizon, and what the scene leaves free at the start.
     Everything,
     /// The same with controls that are linear between nodes.
@@ -63,19 +61,19 @@ fn program<'a>(
     let task = Task {
         time: 0.3,
         linear,
-        slopes: vec![2.5; usize::from(unknown == Unknown::NothingUnderRamps)],
         intervals,
         elements,
         coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
         cross: CrossComplementarity::FeFe,
         guess: Guess::Simulated,
     };
-    let field = Field::new(bead, 50.0, &[]);
+    let field = Field::new(bead, 50.0);
     transcribe(program, outer, field, tableau, task).finished()
 }
 
 /// The largest error of a derivative at a point off every bound and symmetry.
-pub(super) fn worst_derivative(program: &mut Transcription<'_>) -> f64 {
+pub(super) fn worst_derivative(transcription: &mut Transcription<'_>) -> f64 {
+    let program = &mut transcription.program;
     let mut x = vec![0.0; program.variables()];
     program.initial_point(&mut x);
     for (i, value) in x.iter_mut().enumerate() {
@@ -98,7 +96,6 @@ fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
         let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
         let unknowns = [
             Unknown::Nothing,
-            Unknown::NothingUnderRamps,
             Unknown::Everything,
             Unknown::EverythingBetweenNodes,
         ];
@@ -114,7 +111,7 @@ fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
 fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
     let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
     let sizes = |model: &dyn Model| {
-        let program = program(model, &tableau, Unknown::Nothing, 3);
+        let program = program(model, &tableau, Unknown::Nothing, 3).program;
         let (mut lower, mut upper) = (
             vec![0.0; program.variables()],
             vec![0.0; program.variables()],
@@ -156,7 +153,7 @@ fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
 fn joints_stand_in_the_place_of_rows_of_collocation() {
     let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
     let bead = HeldBead::default();
-    let program = program(&bead, &tableau, Unknown::Nothing, 3);
+    let program = program(&bead, &tableau, Unknown::Nothing, 3).program;
     let names: Vec<String> = (0..program.constraints())
         .map(|row| program.constraint_name(row))
         .collect();

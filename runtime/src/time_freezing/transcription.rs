@@ -1,5 +1,7 @@
 //! The variables of a time-freezing system on a grid, and what is read off them.
 
+use hangtime_solver::mpcc::Mpcc as _;
+
 use super::field::Field;
 use super::laid_out;
 use super::layout::{Group, SLIP_MINUS, SLIP_PLUS};
@@ -475,7 +477,7 @@ impl<'a> Transcription<'a> {
         let layout = self.field.layout.clone();
         let n = self.field.coordinates();
         let first = first_of_stages(self.field.model);
-        let own = self.task.linear || !self.task.slopes.is_empty();
+        let own = self.task.linear;
         let mut variables = Vec::with_capacity(layout.local_variables());
         for k in 0..layout.local_variables() {
             let control = k.checked_sub(layout.states());
@@ -653,12 +655,6 @@ impl<'a> Transcription<'a> {
         nodes.map(|u| u.iter().map(value).collect()).collect()
     }
 
-    /// Length of element `e` in numerical time.
-    pub(crate) fn numerical_length(&self, x: &[f64], e: usize) -> f64 {
-        let element = &self.elements[e];
-        x[element.length] * x[self.intervals[element.interval].length]
-    }
-
     /// `(q, v)` at the start.
     pub(crate) fn initial_state(&self, x: &[f64]) -> Vec<f64> {
         self.values(x, &self.outer.start)
@@ -689,12 +685,18 @@ impl<'a> Transcription<'a> {
         x[self.elements[e].sums + SUMS * contact] / self.tableau.stages() as f64
     }
 
-    /// Share of the friction of `contact` in element `e` that opposes forward sliding: 1 where it slides
-    /// forward, 0 backward, between where it sticks; `None` without friction or without a force.
-    pub(crate) fn slip_share(&self, x: &[f64], e: usize, contact: usize) -> Option<f64> {
-        let first = self.elements[e].sums + SUMS * self.field.layout.slip_group(contact)?;
-        let (forward, backward) = (x[first], x[first + 2]);
-        let force = forward + backward;
-        (force > 0.0).then(|| forward / force)
+    /// Name of a complementarity pair: what complements each other, and where.
+    pub(crate) fn complementarity_name(&self, index: usize) -> String {
+        let (i, j) = self.program.complementarities()[index];
+        let [first, second] = [i, j].map(|i| {
+            let name = self.program.name(i);
+            name.strip_prefix("sum of ").unwrap_or(name)
+        });
+        match (first.split_once(' '), second.split_once(' ')) {
+            (Some((one, place)), Some((other, same))) if place == same => {
+                format!("{one} _|_ {other} {place}")
+            }
+            _ => format!("{first} _|_ {second}"),
+        }
     }
 }

@@ -1,10 +1,8 @@
 //! Optimal control against closed forms and brute force.
 
-mod aligned;
 mod brute_force;
 mod complementarity_method;
 mod declared;
-mod final_impact;
 mod final_time;
 #[path = "../../../solver/benches/homotopy.rs"]
 mod homotopy;

@@ -76,39 +76,6 @@ fn elements_grow_where_the_plan_departs_from_the_motion_and_nowhere_else() {
     }
 }
 
-hangtime::model! {
-    /// A cart that is shaken.
-    Shaken {
-        parameters { m: kg = 1, f: N = 3, w: 1/s = 30 }
-        coordinates { y: m }
-        controls { u: N }
-        lagrangian m/2*dot(y)^2
-        forces { y: u + f*sin(w*t) }
-        minimize integral(u^2)
-        finally { y == 1[m] }
-        horizon 1 [s]
-    }
-}
-
-#[test]
-fn elements_of_a_model_that_depends_on_time_grow_everywhere() {
-    let model = Shaken::default();
-    let problem = Problem::of(&model, 3);
-    let solution = ocp::solve(&model, &problem, &one_start(), &mut |_| true).unwrap();
-    assert_eq!(
-        solution.status,
-        Status::Solved,
-        "{:?}",
-        solution.diagnosis()
-    );
-    let elements = solution.elements[0];
-    assert!(
-        elements > 1 && solution.elements == [elements; 3],
-        "{:?}",
-        solution.elements
-    );
-}
-
 #[test]
 fn smaller_distances_ask_for_more_elements_and_coarse_scenes_for_none() {
     let mut settings = one_start();
@@ -153,42 +120,4 @@ fn search_takes_finer_elements_where_most_plans_are_no_motions() {
     // With one element of half a second plans run through the hill.
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
     assert!(solution.elements.iter().all(|&elements| elements >= 2));
-}
-
-hangtime::model! {
-    /// A cart on a washboard, which is paid for by the place where it is, up and down 36 times on the way.
-    Washboard {
-        parameters { m: kg = 1.5, w: 1/m = 70, far: m = 1.6 }
-        coordinates { x: m }
-        controls { u: N in -1..=1 }
-        lagrangian m/2*dot(x)^2
-        forces { x: u }
-        minimize integral(sin(w*x)^2 + 800[1/N^2]*u^2)
-        finally { x == far }
-        start { dot(x): 1 [m/s] }
-        horizon 1.6 [s]
-    }
-}
-
-#[test]
-fn objective_that_is_solved_is_that_of_the_motion() {
-    let board = Washboard::default();
-    for intervals in [8, 12] {
-        let solution = attempt(&board, intervals, &Settings::default());
-        let apart = (solution.objective - solution.resimulated_objective).abs();
-        // What is let pass is a millionth; a tenth of that the points of the re-simulation may be off.
-        let agrees = apart < 1.2e-6 * solution.objective;
-        assert_eq!(
-            solution.status.is_solved(),
-            agrees,
-            "{} {} {}",
-            solution.objective,
-            solution.resimulated_objective,
-            solution.status.name()
-        );
-        // Without a push it rolls at 1 m/s: `T/2 - sin(2 w T)/(4 w)`, and no plan costs more.
-        let time: f64 = 1.6;
-        let rolls = 0.5 * time - (2.0 * board.w * time).sin() / (4.0 * board.w);
-        assert!(!agrees || solution.objective < rolls * (1.0 + 1e-6));
-    }
 }

@@ -156,7 +156,6 @@ fn programs(
 fn sizes(model: &dyn Model) -> Vec<FormulationSize> {
     let mut all = simulated(model, StepFormulation::ActiveSet);
     all.extend(simulated(model, StepFormulation::TimeFreezing));
-    all.extend(simulated(model, StepFormulation::Complementarity));
     all.extend(programs(model, Formulation::Phases).unwrap());
     let time_freezing = Formulation::TimeFreezing(TimeFreezingSettings::default());
     all.extend(programs(model, time_freezing).unwrap());
@@ -223,11 +222,10 @@ fn added_kernels(model: &dyn Model) -> Vec<&'static str> {
 const FLIGHT: &str = "simulation, element, free flight";
 const HELD: &str = "simulation, element, `floor` holds";
 const HELD_FROZEN: &str = "simulation, time-freezing element, `floor` holds";
-const STEP: &str = "simulation, time-freezing, program of a step";
 const COARSE: &str = "optimal control, contact-implicit program";
 const FINE: &str = "optimal control, collocation";
 const FROZEN: &str = "optimal control, time-freezing program";
-const ALL: [&str; 7] = [FLIGHT, HELD, HELD_FROZEN, STEP, COARSE, FINE, FROZEN];
+const ALL: [&str; 6] = [FLIGHT, HELD, HELD_FROZEN, COARSE, FINE, FROZEN];
 
 /// Groups that every scene with contacts may have.
 const COMMON: [&str; 9] = [
@@ -327,11 +325,6 @@ fn friction_adds_its_own_groups_and_nothing_else() {
         added(&rough, HELD_FROZEN, sticks),
         [(FRICTION, [6, 6, 6, 0, 78, 0])]
     );
-    // Four variables a stage and four sums an element; two equations a stage and those of the sums.
-    assert_eq!(
-        added(&rough, STEP, STEP),
-        [(FRICTION, [48, 30, 0, 15, 214, 36])]
-    );
     // Four variables, two equations and two pairs in each of 96 elements.
     assert_eq!(
         added(&rough, COARSE, COARSE),
@@ -357,7 +350,7 @@ fn friction_adds_its_own_groups_and_nothing_else() {
 #[test]
 fn control_adds_one_variable_an_interval_and_no_equation() {
     let driven = Driven::default();
-    for name in [FLIGHT, HELD, HELD_FROZEN, STEP] {
+    for name in [FLIGHT, HELD, HELD_FROZEN] {
         assert_eq!(added(&driven, name, name), [], "{name}");
     }
     assert_eq!(
@@ -392,13 +385,6 @@ fn second_contact_adds_what_the_first_one_takes_and_products_of_step_functions()
     assert_eq!(added(&walled, FINE, FINE), [(GAP, [0, 0, 28, 0, 28, 0])]);
     // Where step functions appear in products, their entries belong to those.
     let more = [
-        (GAP, [9, 9, 0, 0, 60, 0]),
-        (STEP_FUNCTION, [54, 27, 0, 9, -18, -9]),
-        (CROSS_COMPLEMENTARITY, [12, 12, 0, 6, 52, 0]),
-        (SEVERAL_CONTACTS, [9, 9, 0, 0, 216, 36]),
-    ];
-    assert_eq!(added(&walled, STEP, STEP), more);
-    let more = [
         (GAP, [36, 36, 0, 0, 214, 0]),
         (STEP_FUNCTION, [216, 108, 0, 36, 72, -36]),
         (CROSS_COMPLEMENTARITY, [72, 72, 0, 36, 250, 0]),
@@ -418,10 +404,7 @@ fn restitution_adds_variables_to_the_programs_of_time_freezing_only() {
     for name in [FLIGHT, HELD, HELD_FROZEN, COARSE] {
         assert_eq!(added(&bouncing, name, name), [], "{name}");
     }
-    // Another element: before, fall, rise, after. Two variables a stage and four sums an element.
     let all = sizes(&bouncing);
-    let step = numbers(named(&all, STEP), RESTITUTION);
-    assert_eq!(step, [40, 28, 0, 8, 250, 48]);
     // Each bounce is a phase and an impact of its own; the impact map takes no row more for it.
     assert_eq!(numbers(named(&all, FINE), RESTITUTION), [0; 6]);
     // Two variables and a row in each of 2 x 24 stages, four sums and two pairs in each of 24 elements: four an interval.
@@ -438,12 +421,6 @@ fn explicit_time_adds_a_variable_where_no_clock_is_known() {
     // Contacts slow the clock, which the force reads; the others have the clock anyway.
     let more = [(CONTACT_FORCE, [0, 0, 0, 0, 66, 0])];
     assert_eq!(added(&timed, HELD_FROZEN, HELD_FROZEN), more);
-    let more = [
-        (CLOCK, [0, 0, 0, 0, 27, 9]),
-        (ELEMENT_LENGTH, [0, 0, 0, 0, 0, 9]),
-        (STEP_FUNCTION, [0, 0, 0, 0, 0, 9]),
-    ];
-    assert_eq!(added(&timed, STEP, STEP), more);
     let more = [
         (CLOCK, [0, 0, 0, 0, 72, 36]),
         (ELEMENT_LENGTH, [0, 0, 0, 0, 0, 36]),
@@ -484,7 +461,7 @@ fn path_constraints_and_free_starts_add_their_own_groups_to_time_freezing() {
 #[test]
 fn free_final_time_adds_one_variable() {
     let timeless = Timeless::default();
-    for name in [FLIGHT, HELD, HELD_FROZEN, STEP] {
+    for name in [FLIGHT, HELD, HELD_FROZEN] {
         assert_eq!(added(&timeless, name, name), [], "{name}");
     }
     let goal = (GOAL, [0, 1, 0, 0, 1, 0]);

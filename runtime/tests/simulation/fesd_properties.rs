@@ -37,7 +37,6 @@ fn checked(
         simulation.status,
         estimate
     );
-    prop_assert_eq!(simulation.counts.fallbacks, 0);
     let trajectory = &simulation.trajectory;
     for k in 0..trajectory.time.len() {
         for contact in 0..model.declaration().contacts.len() {

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::prelude::*;
-use hangtime::simulation::{InitialValueProblem, Simulator, StepFormulation};
+use hangtime::simulation::{InitialValueProblem, Simulator};
 
 hangtime::model! {
     /// A mass on a spring.
@@ -178,10 +178,9 @@ fn result_prints_status_events_and_the_last_state() {
 #[test]
 fn every_method_stops_where_its_observer_says() {
     let spring = Spring::default();
-    let methods: [&dyn Simulator; 6] = [
+    let methods: [&dyn Simulator; 5] = [
         &EventDriven::default(),
         &Fesd::default(),
-        &Fesd::default().with_formulation(StepFormulation::Complementarity),
         &Moreau::default(),
         &FixedStep::default(),
         &Smooth::default(),
@@ -208,35 +207,6 @@ fn every_method_stops_where_its_observer_says() {
         );
         assert!(run.at(0.7).is_ok() && run.at(2.9).is_err(), "{name}");
     }
-}
-
-#[test]
-fn step_as_a_complementarity_problem_asks_its_observer_in_every_iteration() {
-    let ball = Ball::default();
-    let problem = InitialValueProblem::of(&ball, None).unwrap();
-    let method = Fesd::default()
-        .with_formulation(StepFormulation::Complementarity)
-        .with_grid(1, 1);
-    let mut calls = 0;
-    let run = method.simulate(&ball, &problem, &mut |_| {
-        calls += 1;
-        calls < 10
-    });
-    let run = run.unwrap();
-    assert!(
-        matches!(run.status, SimulationStatus::Interrupted(_)),
-        "{}",
-        run.status
-    );
-    assert_eq!((calls, run.trajectory.time.len()), (10, 1));
-    // Of fewer elements than it takes the result says so.
-    let run = method.simulate(&ball, &problem, &mut |_| true).unwrap();
-    let note = "elements at least, not 1";
-    assert!(
-        run.notes.iter().any(|text| text.contains(note)),
-        "{:?}",
-        run.notes
-    );
 }
 
 #[test]

@@ -10,7 +10,6 @@ mod event_properties;
 mod event_scales;
 mod fesd_laws_against_event_driven;
 mod fesd_properties;
-mod fesd_shared_friction;
 mod fesd_time_freezing;
 mod friction_coupled;
 mod friction_order;

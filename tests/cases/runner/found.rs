@@ -328,6 +328,7 @@ fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
         "residuals.primal" => solution.residuals.primal,
         "residuals.complementarity" => solution.residuals.complementarity,
         "starts" => solution.starts as f64,
+        "bound" => return solution.bound,
         "counts.programs" => solution.counts.programs as f64,
         "counts.iterations" => solution.counts.iterations as f64,
         "counts.contact_implicit" => solution.counts.global_iterations as f64,
@@ -359,7 +360,6 @@ fn of_motion(run: &Simulation, name: &str) -> Option<f64> {
         "counts.events" => run.counts.events as f64,
         "counts.evaluations" => run.counts.evaluations as f64,
         "counts.factorizations" => run.counts.factorizations as f64,
-        "counts.fallbacks" => run.counts.fallbacks as f64,
         "counts.newton" => run.counts.newton as f64,
         _ => return None,
     })

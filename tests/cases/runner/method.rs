@@ -112,7 +112,6 @@ impl Method {
             }
             "fesd" => run.method(fesd(StepFormulation::ActiveSet)),
             "freezing" => run.method(fesd(StepFormulation::TimeFreezing)),
-            "complementarity" => run.method(fesd(StepFormulation::Complementarity)),
             "moreau" => run.method(Moreau::default()),
             "smooth" => run.method(Smooth {
                 width: width.unwrap_or(Smooth::default().width),

@@ -173,11 +173,12 @@ pub(crate) enum TextKind {
 }
 
 /// Numbers that a result has besides what moves.
-const FACTS: [&str; 17] = [
+const FACTS: [&str; 18] = [
     "residuals.primal",
     "residuals.dual",
     "residuals.complementarity",
     "starts",
+    "bound",
     "objective",
     "final_time",
     "numerical_time",

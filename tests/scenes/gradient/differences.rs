@@ -1,5 +1,6 @@
 //! Derivatives of random motions against differences of motions.
 
+use hangtime::derivative::{Gradient, GradientMode};
 use hangtime::prelude::*;
 use hangtime_scene_files::TextScene;
 
@@ -18,7 +19,7 @@ struct Kind {
     ranges: &'static [(&'static str, f64, f64)],
 }
 
-const KINDS: [Kind; 5] = [
+const KINDS: [Kind; 7] = [
     // A ball on hills with friction.
     Kind {
         text: HILLS,
@@ -76,6 +77,44 @@ const KINDS: [Kind; 5] = [
             ("c", 0.0, 0.4),
         ],
     },
+    // A ball that is struck at the start.
+    Kind {
+        text: "
+            parameters { g: m/s^2 = 9.81, e = 0.5, mu = 0.2, w0: m/s = 1, u0: m/s = 2 }
+            coordinates { x: m, z: m }
+            lagrangian 1[kg]*((dot(x)^2 + dot(z)^2)/2 - g*z)
+            surface floor: z >= 0
+            impact floor: restitution e, friction mu, sliding dot(x)
+            start { dot(x): u0, dot(z): -w0 }
+            horizon 0.4 [s]
+        ",
+        ranges: &[
+            ("e", 0.3, 0.9),
+            ("mu", 0.1, 0.9),
+            ("w0", 0.8, 1.5),
+            ("u0", 1.0, 3.0),
+        ],
+    },
+    // A rod, as a joint, that strikes a wall and rubs on it.
+    Kind {
+        text: "
+            parameters { g: m/s^2 = 9.7, l: m = 0.8, a0: rad = 1.1, w0: rad/s = 0.3, e = 0.6, mu = 0.1, wall: m = -0.2 }
+            coordinates { x: m, z: m }
+            lagrangian 1.2[kg]*((dot(x)^2 + dot(z)^2)/2 - g*z)
+            joint rod: x^2 + z^2 == l^2
+            surface stop: x - wall >= 0
+            impact stop: restitution e, friction mu, sliding dot(z)
+            start { x: l*sin(a0), z: -l*cos(a0), dot(x): l*cos(a0)*w0, dot(z): l*sin(a0)*w0 }
+            horizon 1.4 [s]
+        ",
+        ranges: &[
+            ("l", 0.6, 1.0),
+            ("a0", 0.8, 1.3),
+            ("e", 0.3, 0.8),
+            ("mu", 0.05, 0.2),
+            ("wall", -0.3, 0.1),
+        ],
+    },
 ];
 
 /// What happens at which contacts.
@@ -121,12 +160,58 @@ fn differences(scene: &TextScene, parameter: usize, step: f64) -> Option<Vec<f64
     Some(rows.map(difference).collect())
 }
 
+/// Whether derivatives of what a scene records and of its last event were carried backwards, which are to be the same; those of a motion with fewer
+/// digits have to be as near as they say.
+#[track_caller]
+fn same(scene: &TextScene, names: &[&str], [fine, coarse]: [&Gradient; 2], events: usize) -> bool {
+    let outputs = scene.outputs().iter().map(|output| output.name.to_owned());
+    let mut of: Vec<String> = outputs.collect();
+    of.extend((events > 0).then(|| format!("event_times[{}]", events - 1)));
+    let by = |mode| {
+        let run = simulate(scene).tolerance(TOLERANCE).gradient_mode(mode);
+        let run = run.gradient_of(of.iter().map(String::as_str));
+        run.gradient(names.iter().copied()).unwrap().1
+    };
+    let (forward, backward) = (by(GradientMode::Forward), by(GradientMode::Adjoint));
+    for ((of, forward), (_, backward)) in forward.values.iter().zip(&backward.values) {
+        let largest = forward.iter().fold(0.0_f64, |most, by| most.max(by.abs()));
+        for (forward, backward) in forward.iter().zip(backward) {
+            // The same sums in another order.
+            assert_close(forward / largest, backward / largest, 1e-12, of);
+        }
+    }
+    let error = coarse.error_estimate.expect("it is known");
+    let sizes: Vec<f64> = (names.iter())
+        .map(|name| scene.parameter(super::support::parameter(scene, name)))
+        .collect();
+    for (fine, coarse) in fine
+        .q
+        .iter()
+        .chain(&fine.v)
+        .zip(coarse.q.iter().chain(&coarse.v))
+    {
+        let terms = |of: &[f64]| -> Vec<f64> {
+            of.iter().zip(&sizes).map(|(by, size)| by * size).collect()
+        };
+        let (fine, coarse) = (terms(fine), terms(coarse));
+        let size: f64 = fine.iter().map(|term| term.abs()).sum();
+        for (fine, coarse) in fine.iter().zip(&coarse) {
+            let off = (fine - coarse).abs();
+            assert!(
+                off <= 10.0 * error * size + 1e-12,
+                "{off:e} of {size:e}, and not {error:e}"
+            );
+        }
+    }
+    of.is_empty() || backward.mode == GradientMode::Adjoint && backward.ranges.is_empty()
+}
+
 #[test]
 fn random_motions_have_the_derivatives_that_differences_show() {
     let scenes = std::env::var("HANGTIME_GRADIENTS").ok();
-    let scenes: usize = scenes.and_then(|count| count.parse().ok()).unwrap_or(32);
+    let scenes: usize = scenes.and_then(|count| count.parse().ok()).unwrap_or(40);
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
-    let (mut compared, mut existing, mut refined) = (0, 0, 0);
+    let (mut compared, mut existing, mut refined, mut backwards) = (0, 0, 0, 0);
     for number in 0..scenes {
         let kind = &KINDS[number % KINDS.len()];
         let settings: Vec<(&str, f64)> = kind
@@ -149,6 +234,11 @@ fn random_motions_have_the_derivatives_that_differences_show() {
                 continue;
             }
             existing += 1;
+            if !event_driven {
+                let coarse = simulate(&scene).gradient(names.iter().copied());
+                let both = [&gradient, &coarse.unwrap().1];
+                backwards += usize::from(same(&scene, &names, both, run.events.len()));
+            }
             for (k, name) in names.iter().enumerate() {
                 let parameter = super::support::parameter(&scene, name);
                 let Some(mut right) = differences(&scene, parameter, STEP) else {
@@ -189,6 +279,7 @@ fn random_motions_have_the_derivatives_that_differences_show() {
         "{existing} of {}",
         2 * scenes
     );
+    assert!(backwards >= scenes * 7 / 10, "{backwards} backwards");
     assert!(
         compared >= 3 * scenes,
         "{compared} compared of {scenes} scenes"

@@ -149,15 +149,6 @@ fn names_that_nothing_has_are_refused() {
 }
 
 #[test]
-fn backwards_there_are_no_ranges() {
-    let run = simulate(&scene(CEILING, &[("top", 1.1)]))
-        .gradient_of(["z"])
-        .gradient(["all"])
-        .map(|(_, gradient)| gradient);
-    assert!(run.unwrap().ranges.is_empty());
-}
-
-#[test]
 fn end_that_jumps_has_no_derivative_to_either_side() {
     // Two bodies that share an inertia, so that landing at once is another impact than landing one after the other.
     let text = "

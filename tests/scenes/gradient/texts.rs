@@ -47,27 +47,6 @@ pub(crate) const HUMP: &str = "
     horizon 1.2 [s]
 ";
 
-/// A body that passes an edge.
-pub(crate) const EDGE: &str = "
-    parameters { m: kg = 1, g: m/s^2 = 9.6, a = 0.3, b = 0.1, v0: m/s = 3 }
-    coordinates { y: m, z: m }
-    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-    surface valley: z >= max(-a*y, b*y)
-    impact valley: inelastic
-    start { y: -1 [m], z: a*1[m], dot(y): v0, dot(z): -a*v0 }
-    horizon 0.6 [s]
-";
-
-/// A mass that a stop of rubber throws back, until a step of the time.
-pub(crate) const STOP: &str = "
-    parameters { m: kg = 0.7, k: N/m = 40, v0: m/s = 1.3, x0: m = -0.5, push: N = 0.4, t1: s = 0.9 }
-    coordinates { x: m }
-    lagrangian m/2*dot(x)^2
-    forces { x: -k*max(x, 0[m]) - push*step(t - t1) }
-    start { x: x0, dot(x): v0 }
-    horizon 1.6 [s]
-";
-
 /// A ball that is thrown up to a ceiling, which it only just reaches.
 pub(crate) const CEILING: &str = "
     parameters { g: m/s^2 = 8, v0: m/s = 4, top: m = 1 }
@@ -77,28 +56,6 @@ pub(crate) const CEILING: &str = "
     impact ceiling: restitution 0.5
     start { dot(z): v0 }
     horizon 1 [s]
-";
-
-/// A room that is heated until it is warm, and again when it is cold.
-pub(crate) const THERMOSTAT: &str = "
-    parameters { h: 1/s = 1.3, tau: s = 2, warm = 1.9, cold = 1.1, x0 = 0.2 }
-    states { x, on }
-    rates { x: on*h - x/tau }
-    when x >= warm { on = 0 }
-    when x <= cold { on = 1 }
-    start { x: x0, on: 1 }
-    horizon 8 [s]
-";
-
-/// A ball that lies on a floor until a hammer strikes it.
-pub(crate) const HAMMER: &str = "
-    parameters { g: m/s^2 = 9.6, e = 0.5, v1: m/s = 3, t1: s = 0.9 }
-    coordinates { z: m }
-    lagrangian (dot(z)^2/2 - g*z)*1 [kg]
-    surface floor: z >= 0
-    impact floor: restitution e
-    when t >= t1 { dot(z) = -v1 }
-    horizon 1.1 [s]
 ";
 
 /// A ball between a floor and a net, a condition that throws it back.

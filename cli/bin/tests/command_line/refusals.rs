@@ -45,8 +45,7 @@ const REFUSED: &str = "
     simulate ski-jump --method moreau --scheme radau-iia
     simulate ski-jump --method magic
     simulate ski-jump --tolerance 1
-    simulate ski-jump --formulation complementarity --steps 20 --tolerance 1e-8
-    simulate ski-jump --formulation complementarity --steps 20 --no-exit-condition
+    simulate ski-jump --no-exit-condition --steps 20 --tolerance 1e-8
     simulate incline --watch
     simulate ball.hang --horizon inf
     simulate ball.hang --horizon 1e300

@@ -66,6 +66,27 @@ fn solve_says_what_keeping_a_distance_costs() {
     assert!(tables.contains(&line), "{tables}");
 }
 
+/// A ball that is struck at the start, and one that reaches its height only with controls that change where it bounces.
+#[test]
+fn solve_says_what_is_to_be_known_of_its_motion_and_when_controls_change() {
+    let scratch = Scratch::new("solve-notes");
+    for (start, goal, words) in [
+        ("z: 0, dot(z): -3", "0.3", "`floor` is closed at the start"),
+        ("z: 1", "2", "those of this one are aligned with its phases"),
+    ] {
+        let text = format!(
+            "coordinates {{ z }} controls {{ u in 0..=5 }} lagrangian dot(z)^2/2 - 9.81*z forces {{ z: u }} surface floor: z >= 0 \
+             impact floor: restitution 0.8 minimize time finally {{ z == {goal} }} start {{ {start} }} horizon 3"
+        );
+        let (document, tables) = said(&scratch, &text, "--intervals 10");
+        let notes = notes_of(&document);
+        let note = notes.iter().find(|note| note.contains(words));
+        let line = format!("note          {}\n", note.unwrap());
+        assert!(tables.contains(&line), "{tables}");
+        assert_eq!(document["control_times"].as_array().unwrap().len(), 11);
+    }
+}
+
 /// A door that has to be shut: its motion ends before it slams, unless it is to come to rest.
 #[test]
 fn solve_says_where_an_impact_follows_the_end() {
@@ -172,7 +193,7 @@ fn solve_with_out_writes_data_and_a_picture() {
     for words in [
         "final time",
         "dy/dt [m/s]",
-        "a local optimum",
+        "stationarity  S",
         // 7.56 km/h as published; with fewer intervals than there it is a little less or more.
         "(published: +7.56 km/h)",
     ] {

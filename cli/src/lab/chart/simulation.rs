@@ -151,8 +151,7 @@ fn measure_all(
 /// What the columns of tables and figures mean.
 pub(super) const LEGEND: &str = "\
     Radau-3 is FESD with Radau IIA and 3 stages: every switch is located, and ends an element. Time-freezing solves the same \
-    elements in numerical time; complementarity is the time-freezing system as published, one complementarity problem a step \
-    without a polish; `no exit`, dashed, means: without the condition that ends a contact where its force vanishes. Controlled: the \
+    elements in numerical time; `no exit`, dashed, means: without the condition that ends a contact where its force vanishes. Controlled: the \
     elements get the length that a tolerance allows. A method has the same colour everywhere, and its variants a mark each; lines of other programs are dashed. Fixed steps are Runge-Kutta steps without switch detection; the order of \
     the smoothed method is that in the width of its step functions. An order is the slope over the five finest points whose errors \
     are more than ten times the uncertainty of the reference; `exact` means that no error is, and a slope may be off by some tenths where switches fall differently into the steps. The prices are those of the \

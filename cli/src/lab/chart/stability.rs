@@ -27,8 +27,6 @@ const BOUND: f64 = 1e-4;
 const ESTIMATED: f64 = 10.0;
 /// Error that is rounding, relative to the way at the largest velocity.
 const ROUNDING: f64 = 1e-11;
-/// Steps of the complementarity problem, whose own grid takes minutes.
-const FEW: usize = 20;
 /// CPU time after which a run counts as one that does not end [s].
 const PATIENCE: f64 = 2.0;
 
@@ -46,13 +44,6 @@ fn methods() -> Vec<(&'static str, MethodArguments)> {
     vec![
         ("finite elements (default)", MethodArguments::default()),
         ("time-freezing", formulation(FormulationName::TimeFreezing)),
-        (
-            "complementarity, 20 steps",
-            MethodArguments {
-                steps: Some(FEW),
-                ..formulation(FormulationName::Complementarity)
-            },
-        ),
         (
             "60 steps",
             MethodArguments {

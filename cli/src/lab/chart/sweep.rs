@@ -5,9 +5,6 @@ use crate::figure::Look;
 
 /// Steps of the methods of high order.
 const FINITE_ELEMENTS: [usize; 14] = [10, 12, 15, 20, 26, 32, 40, 52, 64, 80, 120, 160, 240, 320];
-/// Steps of the complementarity problem, each of some elements, as published.
-const PROBLEMS: [usize; 6] = [4, 6, 8, 12, 18, 27];
-const ELEMENTS: usize = 3;
 /// Steps of the methods of low order.
 const TIME_STEPS: [usize; 7] = [50, 100, 200, 400, 1600, 6400, 25600];
 /// Widths of the smoothed step functions.
@@ -70,8 +67,6 @@ pub(super) enum Group {
 
 /// The name under which the finite elements with error control are compared.
 pub(super) const CONTROLLED: &str = "finite elements (default)";
-/// The name of the published method, one complementarity problem a step.
-pub(super) const COMPLEMENTARITY: &str = "complementarity Radau-2";
 /// The name of the event-driven runs.
 pub(super) const EVENT_DRIVEN: &str = "event-driven";
 /// The names of the scheme whose order every scene shows, in both formulations.
@@ -137,7 +132,7 @@ fn finite_elements() -> Vec<Sweep> {
     sweeps
 }
 
-/// The time-freezing system: region by region with switches located, and as one complementarity problem a step.
+/// The time-freezing system, region by region with switches located.
 fn time_freezing() -> Vec<Sweep> {
     let mut sweeps = Vec::new();
     for stages in 1..=4 {
@@ -156,20 +151,6 @@ fn time_freezing() -> Vec<Sweep> {
             settings: settings.collect(),
         });
     }
-    let settings = PROBLEMS.iter().map(|&steps| MethodArguments {
-        formulation: Some(FormulationName::Complementarity),
-        elements: Some(ELEMENTS),
-        ..grid(SchemeName::RadauIia, 2, steps)
-    });
-    sweeps.push(Sweep {
-        name: COMPLEMENTARITY.to_owned(),
-        look: Look::of(COMPLEMENTARITY),
-        charted: true,
-        group: Group::TimeFreezing,
-        compared: true,
-        theory: "1 through impacts".to_owned(),
-        settings: settings.collect(),
-    });
     sweeps
 }
 

@@ -75,7 +75,7 @@ pub(super) enum Of {
     States,
 }
 
-/// Laws of contact, and joints.
+/// Laws of contact, joints, and numbers that are above zero.
 #[derive(Default)]
 pub(super) struct Laws {
     pub(super) impacts: Vec<CheckedLaw>,
@@ -85,6 +85,7 @@ pub(super) struct Laws {
     pub(super) dry: Vec<DryFriction>,
     pub(super) resets: Vec<Reset>,
     pub(super) joints: Vec<scene::Joint>,
+    pub(super) positive: Vec<scene::Positive>,
 }
 
 /// A sliding velocity, whose surfaces may stand below.
@@ -483,15 +484,19 @@ impl Checker<'_> {
 
     /// The number that a value is for the defaults of the parameters; `None` where a default is missing or wrong.
     pub(super) fn at_default(&self, value: Sym) -> Option<f64> {
-        let defaults: Vec<f64> = self.parameters.iter().map(|known| known.default).collect();
+        self.with_defaults(value).as_number()
+    }
+
+    /// A value for the defaults of the parameters.
+    pub(super) fn with_defaults(&self, value: Sym) -> Sym {
         graph::substitute(&[value], |variable| match variable {
             Variable::Parameter(i) => {
-                let default = defaults.get(usize::from(i)).filter(|value| !value.is_nan());
-                default.map(|&value| Sym::number(value))
+                let known = self.parameters.get(usize::from(i));
+                let default = known.map(|known| known.default);
+                default.filter(|value| !value.is_nan()).map(Sym::number)
             }
             _ => None,
         })[0]
-            .as_number()
     }
 
     /// E17: a start value lies between bounds, for the defaults of the parameters.

@@ -95,6 +95,7 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             arguments,
             body,
         } => function(checker, name, arguments, body),
+        Statement::Positive(positive) => values::positive(checker, positive),
         Statement::Lagrangian { keyword, value } => values::lagrangian(checker, *keyword, value),
         Statement::Dissipation { keyword, value } => values::dissipation(checker, *keyword, value),
         Statement::Forces(assignments) => values::forces(checker, assignments),
@@ -305,15 +306,14 @@ fn finish(
     };
     at_times::finish(&mut checker, &mut start.1);
     // Missing inertia and unused names are most often consequences of other mistakes, but not of units and places.
-    if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
-        return Err(Reported);
-    }
+    no_other_mistakes(&checker)?;
     let moves = inertia(&mut checker, sound, (lagrangian, place));
     let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &mut checker);
     if let Ok(contacts) = &contacts {
         dependence::gaps(contacts, &mut checker);
     }
     chosen::coordinates(lagrangian, &mut checker);
+    rules::weight(lagrangian, &mut checker);
     rules::unused(&mut checker);
     let mut contacts = contacts?;
     dry::append(&mut checker, &mut contacts);
@@ -330,12 +330,10 @@ fn finish(
     dynamics.extend(optimal_control.iter().flat_map(along_the_way));
     moves?;
     let given = [&dynamics[..], &forces, &start.0, &start.1].concat();
-    let task = optimal_control.as_ref();
-    free_parameters(&mut checker, given, &contacts, (task, &experiments));
+    let task = (optimal_control.as_ref(), &experiments[..]);
+    free_parameters(&mut checker, given, &contacts, task);
     outputs::finish(&mut checker, &contacts);
-    if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
-        return Err(Reported);
-    }
+    no_other_mistakes(&checker)?;
     Ok(CheckedScene {
         explicit_time: graph::variables(&dynamics).contains(&Variable::Time),
         documentation: declared.documentation.clone(),
@@ -349,6 +347,7 @@ fn finish(
         forces,
         contacts,
         joints: checker.laws.joints,
+        positive: checker.laws.positive,
         start,
         horizon: checker.horizon,
         optimal_control,
@@ -362,6 +361,14 @@ fn finish(
         remembers: false,
         lifted: None,
     })
+}
+
+/// Whether units and places are all that is mistaken so far.
+fn no_other_mistakes(checker: &Checker<'_>) -> Checked<()> {
+    match checker.diagnostics.others_than(&["E03", "E08"]) {
+        0 => Ok(()),
+        _ => Err(Reported),
+    }
 }
 
 /// Whether every coordinate has inertia; a scene of states only has no mechanism.

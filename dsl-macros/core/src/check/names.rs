@@ -64,7 +64,10 @@ fn declares_units(statements: &[Statement]) -> bool {
         Statement::Parameters(list)
         | Statement::Coordinates(list)
         | Statement::Controls(list)
-        | Statement::States(list) => list.iter().any(|quantity| quantity.unit.is_some()),
+        | Statement::States(list) => list.iter().any(|quantity| {
+            let mut value = quantity.value.iter();
+            quantity.unit.is_some() || value.any(|value| value.any(&|part| part.unit().is_some()))
+        }),
         _ => false,
     })
 }

@@ -5,6 +5,7 @@
 use super::checker::{Checker, Reset};
 use super::values::{Target, condition_at_an_instant, converted, of_an_instant};
 use crate::ast::{Assignment, Condition, Name};
+use crate::derive::simplify;
 use crate::diagnostics::Checked;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{Action, Contact};
@@ -34,6 +35,15 @@ pub(super) fn when(
             "`{shown}` depends on nothing that changes, so that it never comes true; use coordinates, velocities, states or the time"
         );
         checker.diagnostics.report("E07", place, message);
+    }
+    let mut others = checker.laws.resets.iter();
+    if let Some(other) = others.find(|other| simplify(other.function + function) == Sym::ZERO) {
+        let message = format!(
+            "`{shown}` is true where `{0}` is not, and at the threshold both are: a motion that turns back there comes to neither; write a \
+             switch, `if {0} {{ .. }} else {{ .. }}`, for what follows at once, or move one threshold",
+            other.name.text
+        );
+        checker.diagnostics.warn("E18", place, message);
     }
     if assignments.is_empty() {
         let message =

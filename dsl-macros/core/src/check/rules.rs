@@ -2,9 +2,12 @@
 
 use super::checker::Checker;
 use crate::ast::{Expr, Name};
+use crate::derive::simplify;
 use crate::diagnostics::{Checked, Diagnostics, Place, list};
+use crate::evaluate::Meaning;
 use crate::graph::{self, Function, Node, Sym, Variable};
 use crate::scene::Coordinate;
+use crate::words;
 
 /// E04: a scene needs coordinates and a Lagrangian.
 pub(super) fn missing_statements(name: &Name, checker: &mut Checker<'_>) {
@@ -238,6 +241,43 @@ pub(super) fn is_square(function: Sym) -> bool {
     match function.node() {
         Node::Sum(terms) if terms.len() == 1 => squared(terms[0].0),
         _ => squared(function),
+    }
+}
+
+/// E27: gravity is no second one of what the scene writes into the Lagrangian itself: with the defaults of the parameters its forces, or how
+/// they change with a parameter, are not those of the weight of a body, or of all of them.
+pub(super) fn weight(lagrangian: Sym, checker: &mut Checker<'_>) {
+    let (mut weights, mut place) = (Vec::new(), None);
+    for name in checker.abbreviations.iter().map(|known| &known.name) {
+        let known = checker.scope.names.get(&name.text);
+        if let Some(Meaning::Value(value)) = known.filter(|_| name.text.ends_with(words::WEIGHT)) {
+            weights.extend(value.syms());
+            place = Some(name.place());
+        }
+    }
+    let Some(place) = place else { return };
+    let all: Sym = weights.iter().copied().sum();
+    let still = |variable: Variable| variable.is_velocity().then_some(Sym::ZERO);
+    let written = simplify(graph::substitute(&[lagrangian], still)[0] - all);
+    let coordinates = Variable::coordinates(checker.coordinates.len());
+    let forces = |energy: Sym| {
+        let forces = graph::gradient(checker.with_defaults(energy), &coordinates);
+        forces.into_iter().map(simplify)
+    };
+    let alike = |weight: Sym| {
+        let variables = graph::variables(&[written]).into_iter();
+        let parameters = variables.filter(|by| matches!(by, Variable::Parameter(_)));
+        let changes =
+            parameters.map(|by| [written, weight].map(|own| graph::partial(&[own], by)[0]));
+        let mut pairs = std::iter::once([written, weight]).chain(changes);
+        pairs.any(|[own, its]| {
+            forces(own - its).all(|force| force == Sym::ZERO)
+                && forces(its).any(|force| force != Sym::ZERO)
+        })
+    };
+    if written != Sym::ZERO && weights.into_iter().chain([all]).any(alike) {
+        let message = "the Lagrangian has the weight of a body already, which `gravity` adds once more; leave one of them out";
+        checker.diagnostics.warn("E27", place, message);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::checker::{Checker, Of};
 use super::rules::smooth;
 use super::states;
-use crate::ast::{Assignment, Condition, Expr, Kind, Name, Quantity, WrittenUnit};
+use crate::ast::{Assignment, Condition, Expr, Kind, Name, Positive, Quantity, WrittenUnit};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::{Meaning, Number, Value, unrepresentable};
@@ -30,6 +30,38 @@ pub(super) fn default_value(
         );
         checker.diagnostics.syntax(value.place, message)
     })
+}
+
+/// E10 and E27: numbers that are above zero for the defaults of the parameters, and in each run as far as they depend on parameters.
+pub(super) fn positive(checker: &mut Checker<'_>, positive: &Positive) -> Checked<()> {
+    let Positive { of, part, .. } = positive;
+    if checker.diagnostics.is_poisoned(of) {
+        return Err(Reported);
+    }
+    for own in checker.value(&positive.value)?.components() {
+        let fails = |value: f64| value.is_nan() || value <= 0.0;
+        let moves = graph::depends_on(own.sym, Variable::moves);
+        let message = match checker.at_default(own.sym) {
+            Some(value) if fails(value) => Some(positive.message.clone()),
+            _ if moves && positive.code == "E27" => Some(format!(
+                "{of} moves; its corners follow from numbers and parameters"
+            )),
+            _ => None,
+        };
+        if let Some(message) = message {
+            checker.diagnostics.poison(of);
+            let place = positive.value.place;
+            return Err(checker.diagnostics.report(positive.code, place, message));
+        }
+        if !moves && own.sym.as_number().is_none() {
+            checker.laws.positive.push(scene::Positive {
+                what: format!("{of}{part} ({})", positive.code),
+                unit: checker.scope.units.known(&own.unit),
+                value: own.sym,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// What a number is of: a coordinate, its velocity, or anything else with a unit.
@@ -158,7 +190,7 @@ pub(super) fn range(
     of: &Target,
     because: [&str; 2],
 ) -> Checked<(Sym, Sym)> {
-    let shared = match own_unit(upper) {
+    let shared = match upper.unit() {
         Some(shared) if lower.is_bare() => shared.unit.scale / scene::scale(of.unit.as_ref()),
         _ => 1.0,
     };
@@ -290,7 +322,18 @@ fn damping_is_not_negative(
 }
 
 pub(super) fn forces(checker: &mut Checker<'_>, assignments: &[Assignment]) -> Checked<()> {
-    for assignment in assignments {
+    for (k, assignment) in assignments.iter().enumerate() {
+        let name = &assignment.target;
+        if assignments[..k]
+            .iter()
+            .any(|other| other.target.text == name.text)
+        {
+            let message = format!(
+                "`{0}` has two entries in `forces`, which add up; write one sum, as in `{0}: a + b`, or correct the name of one",
+                name.text
+            );
+            checker.diagnostics.warn("E19", name.place(), message);
+        }
         if let Some(moved) = moved(checker, &assignment.target) {
             // Its mistakes are told; the other entries are read all the same.
             let _: Checked<()> = force_on(checker, assignment, &moved);
@@ -531,15 +574,6 @@ fn free_start_within_bounds(checker: &mut Checker<'_>, start: &[Option<(Sym, Pla
             checker.within(value, bounds, place, &free.shown);
         }
         checker.task.free.push(free);
-    }
-}
-
-/// The unit of a number that carries one, possibly with a sign.
-fn own_unit(expr: &Expr) -> Option<&WrittenUnit> {
-    match &expr.kind {
-        Kind::Number { unit, .. } => unit.as_ref(),
-        Kind::Negate(inner) => own_unit(inner),
-        _ => None,
     }
 }
 

@@ -14,6 +14,8 @@ pub enum ExplicitFunction {
     Tangent(usize),
     /// Second sliding velocity in space, curvature and tangent of a contact with friction.
     Across(usize),
+    /// The factor that the direction of friction of a contact carries, where it carries one.
+    Share(usize),
     /// Accelerations without contact, or the matrix and the right-hand side of the linear system that they solve.
     Motion,
 }
@@ -35,6 +37,9 @@ pub(super) fn of_contact(
     if let Some(friction) = &contact.friction {
         let side = |kernel: usize| kernels[kernel].part(0..2 + n);
         functions.push((ExplicitFunction::Tangent(i), side(friction.tangent.0)));
+        if let Some(share) = friction.share {
+            functions.push((ExplicitFunction::Share(i), kernels[share].clone()));
+        }
         if let Some(((across, _), _)) = friction.across {
             functions.push((ExplicitFunction::Across(i), side(across)));
         }

@@ -103,6 +103,8 @@ pub struct Given {
     pub bounds: (usize, usize),
     /// Length of a simulation, if it is declared.
     pub horizon: Option<usize>,
+    /// Numbers that are above zero, if there are any, and what each is, with its unit.
+    pub positive: Option<(usize, &'static [(&'static str, &'static str)])>,
 }
 
 /// Kernels of the motion without contact.
@@ -336,8 +338,13 @@ fn given(builder: &mut Builder<'_>) -> Given {
     };
     let horizon = scene.horizon;
     let horizon = horizon.map(|horizon| builder.unlisted("horizon", &[horizon]));
+    let positive: Vec<Sym> = scene.positive.iter().map(|known| known.value).collect();
+    let named = scene.positive.iter();
+    let named = named.map(|known| (text(&known.what), declared::inferred(known.unit)));
     Given {
         horizon,
+        positive: (!positive.is_empty())
+            .then(|| (builder.unlisted("positive", &positive), list(named))),
         start: (
             builder.unlisted("start_coordinates", &scene.start.0),
             builder.unlisted("start_velocities", &scene.start.1),

@@ -15,6 +15,7 @@ pub(super) fn method(description: &Description) -> String {
             ExplicitFunction::Normal(i) => format!("Normal({i})"),
             ExplicitFunction::Tangent(i) => format!("Tangent({i})"),
             ExplicitFunction::Across(i) => format!("Across({i})"),
+            ExplicitFunction::Share(i) => format!("Share({i})"),
             ExplicitFunction::Motion => "Motion".to_owned(),
         };
         let _ = write!(

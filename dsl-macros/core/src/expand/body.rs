@@ -247,6 +247,7 @@ pub(super) fn finished(mut written: Written<'_>) -> Vec<Placed> {
         .gravity
         .as_ref()
         .is_some_and(|(_, (value, _))| value.len() == 1 && two(&value[0]));
+    unused(&mut written);
     for whole in std::mem::take(&mut written.order) {
         weight(&mut written, &whole);
         let shape = format!("{whole}.");
@@ -259,6 +260,25 @@ pub(super) fn finished(mut written: Written<'_>) -> Vec<Placed> {
     written.statements
 }
 
+/// E16: shapes that nothing can touch, and gravity that acts on nothing.
+fn unused(written: &mut Written<'_>) {
+    if written.diagnostics.mistakes() > 0 {
+        return;
+    }
+    for shape in written.shapes.iter().filter(|shape| !shape.is_touched) {
+        let message = format!(
+            "shape `{0}` takes part in no contact and is only drawn; write one, as in `contact {0}, ground: inelastic`, or leave it out",
+            shown(&shape.name)
+        );
+        written.diagnostics.warn("E16", shape.place, message);
+    }
+    let has_mass = written.order.iter().any(|body| !written.is_fixed(body));
+    if let Some((span, _)) = written.gravity.as_ref().filter(|_| !has_mass) {
+        let message = "`gravity` acts on bodies, and none has a mass here; write the weight into `lagrangian`, or declare `body name: mass m, ..`";
+        written.diagnostics.warn("E16", Place::at(*span), message);
+    }
+}
+
 fn weight(written: &mut Written<'_>, whole: &str) {
     let has_mass = !written.is_fixed(whole);
     let Some((span, (value, scope))) = written.gravity.clone().filter(|_| has_mass) else {
@@ -269,7 +289,9 @@ fn weight(written: &mut Written<'_>, whole: &str) {
         .map(|name| written.named(whole, name))
         .into();
     written.scope = scope;
-    written.write(quote_spanned!(span=> lagrangian += #m*(#value . (#centre))));
+    let name = (whole, words::WEIGHT, span);
+    let weight = written.define(name, quote_spanned!(span=> = #m*(#value . (#centre))));
+    written.write(quote_spanned!(span=> lagrangian += #weight));
 }
 
 /// A body without a shape: its centre and lines to its points.

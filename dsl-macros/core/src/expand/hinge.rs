@@ -110,13 +110,10 @@ fn driven(written: &mut Written<'_>, between: &Between<'_>, moves: &Ident) -> Ch
         let message = "`stop` has both ends of a range, as in `stop -1..=1`";
         return Err(written.diagnostics.syntax(stop.place(), message));
     };
-    if let (Some(from), Some(to)) = (written.number(low), written.number(high))
-        && from >= to
-    {
-        let message = "the range of a stop begins below where it ends, as in `stop -1..=1`";
-        let place = place_of(range, stop.place());
-        return Err(written.diagnostics.report("E10", place, message));
-    }
+    let message = "the range of a stop begins below where it ends, as in `stop -1..=1`";
+    let room = quote_spanned!(range[0].span()=> -(#(#low)*) + #(#high)*);
+    let of = format!("the range of the stop of joint `{}`", between.name);
+    written.positive(("E10", message), (&of, ""), (span, &room));
     let names = ["low", "high"].map(|name| written.own(whole, name, span));
     let law = match restitution {
         None => quote_spanned!(span=> inelastic),

@@ -123,6 +123,8 @@ fn frame<'t>(written: &mut Written<'_>, statement: &'t [TokenTree]) -> Checked<F
             _ => word,
         },
         middle,
+        is_touched: false,
+        place: begin,
         corners: Vec::new(),
         radius: None,
         sides: Vec::new(),
@@ -219,16 +221,14 @@ fn size(
     name: &str,
     value: &[TokenTree],
 ) -> Checked<Ident> {
-    let number = written.number(value);
-    if !number.map_or(!is_punct(value.first(), '-'), |number| number > 0.0) {
-        let place = place_of(value, Place::at(Span::call_site()));
-        let message = "the size of a shape is positive";
-        return Err(written.diagnostics.report("E10", place, message));
-    }
     let span = value.first().map_or(frame.span, TokenTree::span);
     let value = grouped(Delimiter::None, value.to_vec(), span);
-    let value = quote_spanned!(span=> : m = #value);
-    Ok(written.define((&frame.shape.name, name, span), value))
+    let own = quote_spanned!(span=> : m = #value);
+    let own = written.define((&frame.shape.name, name, span), own);
+    let of = format!("{name} of shape `{}`", shown(&frame.shape.name));
+    let mistake = ("E10", "the size of a shape is positive");
+    written.positive(mistake, (&of, ""), (span, &quote_spanned!(span=> #value)));
+    Ok(own)
 }
 
 /// Lengths in parentheses.
@@ -421,6 +421,7 @@ fn polygon(written: &mut Written<'_>, frame: &mut Frame<'_>) -> Checked<()> {
     });
     let area = quote_spanned!(span=> = #(#area)+*);
     let area = written.define((&frame.shape.name, "area", span), area);
+    convex(written, frame, &spots, &area);
     let mut strips = Vec::new();
     for (k, spot) in spots.iter().enumerate() {
         corner(
@@ -461,7 +462,7 @@ fn polygon(written: &mut Written<'_>, frame: &mut Frame<'_>) -> Checked<()> {
     Ok(())
 }
 
-/// The corners of a polygon as it is given; it is convex without anything set otherwise.
+/// The corners of a polygon as it is given.
 fn spots(written: &mut Written<'_>, frame: &Frame<'_>) -> Checked<Vec<Ident>> {
     let kind = frame.kind;
     let points = components(kind.tokens());
@@ -469,23 +470,6 @@ fn spots(written: &mut Written<'_>, frame: &Frame<'_>) -> Checked<Vec<Ident>> {
     if points.len() < 3 || parts.iter().any(|parts| parts.len() != 2) {
         let message = "a polygon has three corners at least, each with two lengths, as in `polygon ((0, 0), (l, 0), (0, l))`";
         return Err(written.told(kind.place(), message));
-    }
-    let number = |part: &Vec<TokenTree>| written.number(part);
-    let numbers = parts
-        .iter()
-        .map(|parts| Some([number(&parts[0])?, number(&parts[1])?]));
-    let Some(numbers) = numbers.collect::<Option<Vec<_>>>() else {
-        let message = "the corners of a polygon are computed from numbers and parameters, so that it is known to be convex";
-        return Err(written.told(kind.place(), message));
-    };
-    if let Some((corner, why)) = bent(&numbers) {
-        let place = place_of(&points[corner], kind.place());
-        let message = format!(
-            "{why} corner {} of the polygon, which has to be convex; make it of several, as in `shape {}.lid: polygon ..`",
-            corner + 1,
-            shown(&frame.shape.body)
-        );
-        return Err(written.told(place, message));
     }
     let spots = points.iter().enumerate().map(|(k, point)| {
         let span = frame.span;
@@ -497,6 +481,29 @@ fn spots(written: &mut Written<'_>, frame: &Frame<'_>) -> Checked<Vec<Ident>> {
         )
     });
     Ok(spots.collect())
+}
+
+/// Writes that a polygon is convex: seen from each of its edges all other corners lie on the side of its area, with a share of it left.
+fn convex(written: &mut Written<'_>, frame: &Frame<'_>, spots: &[Ident], area: &Ident) {
+    let (n, points) = (spots.len(), components(frame.kind.tokens()));
+    let of = format!("the outline of polygon `{}`", shown(&frame.shape.name));
+    for (k, from) in spots.iter().enumerate() {
+        let corner = (k + 1) % n;
+        let (to, span) = (&spots[corner], points[corner][0].span());
+        let others = (2..n).map(|j| &spots[(k + j) % n]);
+        let turns = others.map(
+            |other| quote_spanned!(span=> (cross(#to - #from, #other - #from) - 1e-12*#area)*#area),
+        );
+        let turns = quote_spanned!(span=> (#(#turns),*));
+        let part = format!(" at corner {}, its turn times its area", corner + 1);
+        let message = format!(
+            "the outline does not turn the same way round, and once, at corner {} of the polygon, which has to be convex; make it of several, \
+             as in `shape {}.lid: polygon ..`",
+            corner + 1,
+            shown(&frame.shape.body)
+        );
+        written.positive(("E27", &message), (&of, &part), (span, &turns));
+    }
 }
 
 /// A half plane or a half space: all that lies below its axes but the last.
@@ -603,6 +610,9 @@ pub(super) fn shapes_of(written: &mut Written<'_>, tokens: &[TokenTree]) -> Chec
     let found: Vec<usize> = (0..written.shapes.len())
         .filter(|&k| is_meant(&written.shapes[k]))
         .collect();
+    for &k in &found {
+        written.shapes[k].is_touched = true;
+    }
     match (found.is_empty(), written.known.contains_key(&whole)) {
         (false, _) => Ok(found),
         (true, true) if written.diagnostics.is_poisoned(&format!("shape {whole}")) => Err(Reported),
@@ -649,28 +659,4 @@ fn pair(sides: &[Side], by: usize, remainder: usize) -> Vec<Side> {
     sides
         .map(|(k, side)| side.moved(k % by == remainder))
         .collect()
-}
-
-/// The corner at which a polygon is not convex, and what is wrong there.
-fn bent(corners: &[[f64; 2]]) -> Option<(usize, &'static str)> {
-    let n = corners.len();
-    let cross = |k: usize, j: usize| {
-        let ([a, b], [c, d], [e, f]) = (corners[k], corners[(k + 1) % n], corners[j % n]);
-        (c - a) * (f - b) - (d - b) * (e - a)
-    };
-    let area: f64 = (1..n).map(|k| cross(0, k)).sum();
-    let least = 1e-12 * area.abs();
-    let inside = |k: usize, j: usize| cross(k, j) * area.signum() > least;
-    let turns = (0..n).find(|&k| !inside(k, k + 2));
-    let turns = turns.map(|k| {
-        (
-            (k + 1) % n,
-            "the outline does not turn the same way round at",
-        )
-    });
-    turns.or_else(|| {
-        let all = (0..n).flat_map(|k| (2..n).map(move |j| (k, k + j)));
-        let crossed = all.into_iter().find(|&(k, j)| !inside(k, j));
-        crossed.map(|(_, j)| (j % n, "the outline goes round more than once up to"))
-    })
 }

@@ -6,7 +6,8 @@ use super::names::{Names, Scope, ident, indices, member};
 use super::part::Placed;
 use super::tokens::{grouped, joined, number, place_of};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest};
-use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
+use crate::words;
+use proc_macro2::{Delimiter, Ident, Literal, Span, TokenStream, TokenTree};
 use quote::quote_spanned;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -64,6 +65,10 @@ pub(super) struct Shape {
     /// Its kind in words.
     pub(super) kind: String,
     pub(super) middle: Ident,
+    /// Whether a contact or a joint names it.
+    pub(super) is_touched: bool,
+    /// Place of its statement.
+    pub(super) place: Place,
     /// None of a half plane.
     pub(super) corners: Vec<Ident>,
     pub(super) radius: Option<Ident>,
@@ -155,6 +160,18 @@ impl<'a> Written<'a> {
         let own = self.own(whole, name, span);
         self.write(quote_spanned!(span=> let #own #value));
         own
+    }
+
+    /// Writes that numbers are above zero: `part` of something, with code and message where a default is not.
+    pub(super) fn positive(
+        &mut self,
+        (code, message): (&str, &str),
+        (of, part): (&str, &str),
+        (span, value): (Span, &TokenStream),
+    ) {
+        let word = ident(words::POSITIVE, span);
+        let text = Literal::string(&[code, of, part, message].join("\n"));
+        self.write(quote_spanned!(span=> let #word #text = #value));
     }
 
     /// A place that is given as seen from a body.
@@ -280,10 +297,5 @@ impl<'a> Written<'a> {
     /// Whether tokens are made of numbers that do not move.
     pub(super) fn is_constant(&self, tokens: &[TokenTree]) -> bool {
         self.constants.all(tokens, &self.scope)
-    }
-
-    /// The number that tokens are, in SI units, as far as that is computed here.
-    pub(super) fn number(&self, tokens: &[TokenTree]) -> Option<f64> {
-        self.constants.value(tokens, &self.scope)
     }
 }

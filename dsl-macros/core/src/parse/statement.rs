@@ -6,7 +6,7 @@ use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, assignments, block, entries, equals, name, range, said_of};
 use super::{control, joint, law, measured, picture, profile, slips, unit};
-use crate::ast::{Documentation, Expr, Name, Quantity, Relation, Statement};
+use crate::ast::{Documentation, Expr, Name, Positive, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
 use crate::words;
 use proc_macro2::{Delimiter, TokenTree};
@@ -67,6 +67,9 @@ fn begins_statement(word: &str) -> bool {
 /// An abbreviation; without its value its name is known all the same.
 fn abbreviation(cursor: &mut Cursor) -> Checked<Statement> {
     let name = name(cursor, "the name of the abbreviation")?;
+    if name.text == words::POSITIVE {
+        return positive(cursor);
+    }
     let unit = match cursor.eat_symbol(":") {
         true => unit::declared(cursor).unwrap_or(None),
         false => None,
@@ -86,7 +89,10 @@ fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<State
         return Err(error);
     };
     match word.text.as_str() {
-        "parameters" => Ok(Statement::Parameters(quantities(cursor, &word)?)),
+        "parameters" => {
+            let quantities = quantities(cursor, &word)?.into_iter();
+            Ok(Statement::Parameters(quantities.map(in_unit).collect()))
+        }
         "coordinates" => Ok(Statement::Coordinates(quantities(cursor, &word)?)),
         "controls" => Ok(Statement::Controls(quantities(cursor, &word)?)),
         "states" => Ok(Statement::States(quantities(cursor, &word)?)),
@@ -124,7 +130,7 @@ fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<State
         "constraint" => control::constraint(cursor, documentation),
         "finally" => control::finally(cursor, &word),
         "free" if control::is_parameter(cursor) => {
-            let quantity = quantity(cursor)?;
+            let quantity = in_unit(quantity(cursor)?);
             control::free_parameter(cursor, quantity, documentation)
         }
         "free" => control::free(cursor, &word),
@@ -133,6 +139,27 @@ fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<State
         "picture" => picture::picture(cursor, &word),
         _ => Err(unknown_statement(cursor, &word)),
     }
+}
+
+/// Numbers above zero, behind a text with a line for all that is said of them.
+fn positive(cursor: &mut Cursor) -> Checked<Statement> {
+    let literal = cursor.peek().map(ToString::to_string).unwrap_or_default();
+    let text = syn::parse_str::<syn::LitStr>(&literal).map(|text| text.value());
+    let Ok([code, of, part, message]) = text.map(|text| {
+        let mut lines = text.split('\n').map(str::to_owned);
+        [(); 4].map(|()| lines.next().unwrap_or_default())
+    }) else {
+        return Err(cursor.unexpected("a text"));
+    };
+    cursor.advance();
+    equals(cursor)?;
+    Ok(Statement::Positive(Positive {
+        code: if code == "E27" { "E27" } else { "E10" },
+        message,
+        of,
+        part,
+        value: expression(cursor)?,
+    }))
 }
 
 fn unknown_statement(cursor: &mut Cursor, word: &Name) -> Reported {
@@ -216,6 +243,14 @@ fn quantity(cursor: &mut Cursor) -> Checked<Quantity> {
         value,
         free: false,
     })
+}
+
+/// A parameter without a declared unit in that of its value, `m = 1 [kg]`.
+fn in_unit(quantity: Quantity) -> Quantity {
+    let value = quantity.value.as_ref();
+    let unit = quantity.unit.clone();
+    let unit = unit.or_else(|| value.and_then(Expr::unit).cloned());
+    Quantity { unit, ..quantity }
 }
 
 fn bounds_and_value(cursor: &mut Cursor) -> Checked<(Bounds, Option<Expr>)> {

@@ -32,7 +32,6 @@ fn mistakes_in_file(text: &str) -> Vec<String> {
 
 mod advice;
 mod bodies;
-mod bodies_mistaken;
 mod conditions;
 mod design;
 mod format;

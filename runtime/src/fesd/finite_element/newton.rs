@@ -353,6 +353,7 @@ fn evaluate_residual(element: &mut FiniteElement<'_>) -> Result<(), ElementError
         {
             *target = gap / (h * h);
         }
+        element.constraints.turn_redundancy();
         let [of_velocities, of_positions] = &element.constraints.redundancy;
         let (own, positions) = unknown[n..].split_at(forces);
         of_velocities.add(own, &mut residual[n..n + forces]);

@@ -1,22 +1,16 @@
 //! The check between the stages: gaps and bounds over the continuous motion of a solved program.
 
-use super::dense_motion::{DenseMotion, POINTS, lows, minimum};
+use super::bounds::{BoundKind, Bounds};
+use super::dense_motion::{DenseMotion, POINTS, lows};
 use super::friction_cuts::friction;
 use super::layout::{Cut, CutKind, SolvedPhase};
 use super::limits::Limits;
 use super::program::Collocation;
 use crate::model::{Model, contact_point};
-use crate::ocp::solution::Excess;
 
 /// Depth below a surface that rounding and collocation may cause right after an opening, relative to the
 /// margin.
 const DEPTH: f64 = 1e-4;
-
-/// Violation of a bound or a path constraint, relative to the largest value on its side along the motion, that no plan may have.
-const VIOLATED: f64 = 1e-4;
-
-/// Violation that counts for none, however small the values along the motion are, as a multiple of what is let pass where conditions are added.
-const LET_PASS: f64 = 1e3;
 
 /// Share of a phase after an opening, or before a closing, that counts as right there.
 const NEAR: f64 = 0.25;
@@ -33,29 +27,29 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
     if limits.setting.places.bounds_at_nodes {
         return found;
     }
-    let all: Vec<usize> = (0..program.phases.len()).collect();
-    let coordinates = program.model.declaration().coordinates.len();
-    for k in (0..coordinates).filter(|&k| !limits.setting.parabolas[k]) {
-        let bounds = (limits.setting.bounds.0[k], limits.setting.bounds.1[k]);
-        if bounds == (f64::NEG_INFINITY, f64::INFINITY) {
-            continue;
-        }
-        let bound = limits.bound * limits.setting.units.states[k];
-        for (phase, theta, _) in lows(&all, &mut motion.inside(k, bounds), -bound, bound) {
-            found.push(cut(program, phase, theta, CutKind::Bounds(k)));
-        }
+    let bounds = Bounds::new(limits.setting);
+    if bounds.all.is_empty() {
+        return found;
     }
-    for (constraint, inequality) in motion.constraints().into_iter().enumerate() {
-        if !inequality {
-            continue;
-        }
-        for (phase, theta, _) in lows(
-            &all,
-            &mut motion.path(constraint),
-            -limits.bound,
-            limits.bound,
-        ) {
-            found.push(cut(program, phase, theta, CutKind::Path(constraint)));
+    let all: Vec<usize> = (0..program.phases.len()).collect();
+    let table = motion.table(&bounds);
+    for (k, bound) in bounds.all.iter().enumerate() {
+        let (kind, unit) = match bound.kind {
+            BoundKind::Coordinate(c, _) if limits.setting.parabolas[c] => continue,
+            BoundKind::Path(_, true) => continue,
+            BoundKind::Coordinate(c, _) => (CutKind::Bounds(c), limits.setting.units.states[c]),
+            BoundKind::Path(i, false) => (CutKind::Path(i), 1.0),
+        };
+        let mut value = |phase: usize, theta: f64| {
+            let place = theta * POINTS as f64;
+            match place.fract() == 0.0 {
+                true => table[phase][place as usize][k],
+                false => motion.bounds(&bounds, phase, theta)[k],
+            }
+        };
+        let let_pass = limits.bound * unit;
+        for (phase, theta, _) in lows(&all, &mut value, -let_pass, let_pass) {
+            found.push(cut(program, phase, theta, kind));
         }
     }
     found
@@ -146,103 +140,6 @@ fn gap_cut(
     let share = if between { 1.0 } else { DEPTH };
     let kind = CutKind::Gap(contact, share * limits.margin_of(contact));
     Some(cut(program, phase, theta, kind))
-}
-
-/// The largest violation of the bounds of each coordinate and of each path constraint along the whole motion, where there is any.
-pub(in crate::ocp) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Vec<Excess> {
-    let mut found = Vec::new();
-    each_limit(program, x, limits, |motion, [name, unit], value| {
-        found.extend(worst(motion, value).map(|(amount, time)| Excess {
-            name: name.to_owned(),
-            amount,
-            unit: unit.to_owned(),
-            time,
-        }));
-    });
-    found
-}
-
-/// The first of them by much more than what is let pass where conditions are added, in words: a place so narrow that the motion goes around
-/// each condition on it. Where bounds are asked for at nodes only they are left alone.
-pub(in crate::ocp) fn violated(program: &Collocation, x: &[f64], limits: Limits) -> Option<String> {
-    if limits.setting.places.bounds_at_nodes {
-        return None;
-    }
-    let mut found = None;
-    each_limit(program, x, limits, |motion, [name, unit], value| {
-        let Some((amount, time)) = worst(motion, value) else {
-            return;
-        };
-        let places = (0..motion.solved.len())
-            .flat_map(|phase| (0..=POINTS).map(move |i| (phase, i as f64 / POINTS as f64)));
-        let size = places.fold(0.0_f64, |most, (phase, theta)| {
-            most.max(value(phase, theta).abs())
-        });
-        let let_pass = LET_PASS * limits.bound;
-        if found.is_none() && amount > (VIOLATED * size).max(let_pass) {
-            found = Some(format!(
-                "`{name}` is violated by {amount:.1e} {unit} at {time:.6} s, between the places where it is imposed"
-            ));
-        }
-    });
-    found
-}
-
-/// Looks at the bounds of each coordinate and at each path constraint: name and unit, and what must not be below zero at a place of a phase.
-fn each_limit(
-    program: &Collocation,
-    x: &[f64],
-    limits: Limits,
-    mut look: impl FnMut(&DenseMotion, [&str; 2], &mut dyn FnMut(usize, f64) -> f64),
-) {
-    let declaration = program.model.declaration();
-    let motion = DenseMotion::new(program, x);
-    for (k, coordinate) in declaration.coordinates.iter().enumerate() {
-        let bounds = (limits.setting.bounds.0[k], limits.setting.bounds.1[k]);
-        if bounds != (f64::NEG_INFINITY, f64::INFINITY) {
-            let names = [coordinate.name, coordinate.unit];
-            look(&motion, names, &mut motion.inside(k, bounds));
-        }
-    }
-    let constraints = declaration
-        .optimal_control
-        .map_or(&[][..], |d| d.constraints);
-    for (k, constraint) in constraints.iter().enumerate() {
-        look(
-            &motion,
-            [constraint.name, constraint.unit],
-            &mut motion.path(k),
-        );
-    }
-}
-
-/// By how much a value of a place in a phase is below 0, where it is so the most, and when that is; nothing where it never is.
-fn worst(motion: &DenseMotion, value: &mut dyn FnMut(usize, f64) -> f64) -> Option<(f64, f64)> {
-    let mut most: Option<(f64, f64)> = None;
-    for (phase, solved) in motion.solved.iter().enumerate() {
-        let (mut lowest, mut place) = (f64::INFINITY, 0.0);
-        for i in 0..=POINTS {
-            let theta = i as f64 / POINTS as f64;
-            let here = value(phase, theta);
-            if here < lowest {
-                (lowest, place) = (here, theta);
-            }
-        }
-        let step = 1.0 / POINTS as f64;
-        let (from, to) = ((place - step).max(0.0), (place + step).min(1.0));
-        let known = most.map_or(0.0, |(amount, _)| amount);
-        if -lowest > known - step * step {
-            let better = minimum(&mut |theta| value(phase, theta), from, to);
-            let refined = value(phase, better);
-            if refined < lowest {
-                (lowest, place) = (refined, better);
-            }
-        }
-        if -lowest > known {
-            most = Some((-lowest, solved.start + place * solved.length));
-        }
-    }
-    most
 }
 
 /// Flights that pass a jump of the controls so shortly after their opening that they are still on the surface,

@@ -45,14 +45,8 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &mut Phase) {
             }
             CutKind::Approach(contact) => {
                 let name = format!("approach to `{}` {at}", declaration.contacts[contact].name);
-                moves(
-                    builder,
-                    phase,
-                    contact,
-                    &weights,
-                    name,
-                    (f64::NEG_INFINITY, 0.0),
-                );
+                let below = (f64::NEG_INFINITY, 0.0);
+                moves(builder, phase, contact, &weights, name, below);
             }
             CutKind::Gap(contact, margin) => {
                 let contact = phase.pieces.acting(contact);
@@ -69,13 +63,20 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &mut Phase) {
                     unit: declaration.contacts[contact].unit.to_owned(),
                     chosen: true,
                 });
-                phase.passed.push((contact, cut.theta, row));
                 let uses = vec![(row, 0, 1.0)];
                 let kernel = Kernel::Contact(contact);
                 program.block(&kernel, [&state, &[], &drive, &[]], None, uses);
             }
-            CutKind::Cone(contact, direction) => cone(builder, phase, contact, direction, cut, &at),
-            CutKind::Slip(contact) => slip(builder, phase, contact, cut, &at),
+            CutKind::Cone(contact, direction) => {
+                let row = cone(builder, phase, contact, direction, cut, &at);
+                let kept = row.map(|row| (cut.theta, contact, direction, row));
+                phase.between.extend(kept);
+            }
+            CutKind::Slip(contact) => {
+                let row = slip(builder, phase, contact, cut, &at);
+                let kept = row.map(|(direction, row)| (cut.theta, contact, direction, row));
+                phase.between.extend(kept);
+            }
             CutKind::Path(constraint) => {
                 let state = state_at(builder, phase, cut, 2 * n, &at);
                 let (q, v) = state.split_at(n);
@@ -159,16 +160,17 @@ fn combine(program: &mut Program, row: usize, k: usize, phase: &Phase, weights: 
     }
 }
 
-pub(in crate::ocp) fn cone(
+/// Keeps the force of a contact that sticks in its cone at a cut.
+fn cone(
     builder: &mut Builder,
     phase: &Phase,
     contact: usize,
     direction: Direction,
     cut: &Cut,
     at: &str,
-) {
+) -> Option<usize> {
     if phase.modes[contact] != ContactMode::Stick {
-        return;
+        return None;
     }
     let (model, tableau) = (builder.setting.model, builder.setting.tableau);
     let name = model.declaration().contacts[contact].name;
@@ -187,17 +189,19 @@ pub(in crate::ocp) fn cone(
         &phase.stages,
         &weights,
     );
+    Some(row)
 }
 
-pub(in crate::ocp) fn slip(
+/// Keeps a contact that slips from slipping back at a cut.
+fn slip(
     builder: &mut Builder,
     phase: &Phase,
     contact: usize,
     cut: &Cut,
     at: &str,
-) {
+) -> Option<(Direction, usize)> {
     let ContactMode::Slip(direction) = phase.modes[contact] else {
-        return;
+        return None;
     };
     let state = state_at(builder, phase, cut, 2 * builder.n, at);
     let (q, v) = state.split_at(builder.n);
@@ -210,4 +214,5 @@ pub(in crate::ocp) fn slip(
     builder
         .program
         .block(&Kernel::Sliding(contact), [q, v, &drive, &[]], None, uses);
+    Some((direction, row))
 }

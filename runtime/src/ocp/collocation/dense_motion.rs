@@ -1,12 +1,12 @@
 //! The continuous motion of a solved program, and the lows of functions along it.
 
+use super::bounds::Bounds;
 use super::layout::SolvedPhase;
 use super::program::Collocation;
 use super::provided;
-use crate::model::held::complete_largest;
 
 /// Points of a phase that are looked at.
-pub(super) const POINTS: usize = 64;
+pub(in crate::ocp) const POINTS: usize = 64;
 
 /// The continuous motion of a solved program.
 pub(in crate::ocp) struct DenseMotion<'p, 'm> {
@@ -19,7 +19,7 @@ pub(in crate::ocp) struct DenseMotion<'p, 'm> {
 }
 
 impl<'p, 'm> DenseMotion<'p, 'm> {
-    pub(super) fn new(program: &'p Collocation<'m>, x: &[f64]) -> Self {
+    pub(in crate::ocp) fn new(program: &'p Collocation<'m>, x: &[f64]) -> Self {
         let thetas = (0..=POINTS).map(|i| i as f64 / POINTS as f64);
         Self {
             program,
@@ -64,51 +64,31 @@ impl<'p, 'm> DenseMotion<'p, 'm> {
         }
     }
 
-    /// Distance of a coordinate from the nearer of its bounds, negative outside.
-    pub(super) fn inside(
-        &self,
-        k: usize,
-        bounds: (f64, f64),
-    ) -> impl FnMut(usize, f64) -> f64 + '_ {
-        let mut state = vec![0.0; k + 1];
-        move |phase, theta| {
-            self.write(phase, theta, &mut state);
-            (state[k] - bounds.0).min(bounds.1 - state[k])
-        }
-    }
-
-    /// Value of a path constraint, or minus the amount of one that is to be 0.
-    pub(super) fn path(&self, constraint: usize) -> impl FnMut(usize, f64) -> f64 + '_ {
-        let model = self.program.model;
-        let declaration = model.declaration();
-        let declared = declaration.optimal_control;
+    /// Values of bounds at the share `theta` of a phase.
+    pub(in crate::ocp) fn bounds(&self, bounds: &Bounds, phase: usize, theta: f64) -> Vec<f64> {
+        let declaration = self.program.model.declaration();
         let mut input = vec![0.0; declaration.path_inputs()];
+        self.write(phase, theta, &mut input);
         let plain = declaration.inputs();
-        let reads_forces = input.len() > plain;
-        let mut weights = vec![0.0; self.program.tableau.stages()];
-        let mut values = vec![0.0; declared.map_or(0, |d| d.path_functions())];
-        let first = declared.map_or(0, |d| usize::from(d.running_cost));
-        let is_equality = declared.is_some_and(|d| d.constraints[constraint].equality);
-        move |phase, theta| {
-            self.write(phase, theta, &mut input);
-            if reads_forces {
-                self.program.tableau.lagrange_values(theta, &mut weights);
-                let provided = provided::values(&self.program.phases[phase], &weights, &self.x);
-                let slots = input[plain..].iter_mut();
-                slots.zip(provided).for_each(|(slot, value)| *slot = value);
-            }
-            complete_largest(model, &mut input);
-            model.path_functions(&input, &mut values);
-            let value = values[first + constraint];
-            if is_equality { -value.abs() } else { value }
+        if input.len() > plain {
+            let mut weights = vec![0.0; self.program.tableau.stages()];
+            self.program.tableau.lagrange_values(theta, &mut weights);
+            let provided = provided::values(&self.program.phases[phase], &weights, &self.x);
+            let slots = input[plain..].iter_mut();
+            slots.zip(provided).for_each(|(slot, value)| *slot = value);
         }
+        bounds.values(input)
     }
 
-    /// Trajectory constraints of the problem: their number and whether each is an inequality.
-    pub(super) fn constraints(&self) -> Vec<bool> {
-        let declared = self.program.model.declaration().optimal_control;
-        let constraints = declared.map_or(&[][..], |d| d.constraints).iter();
-        constraints.map(|c| !c.equality).collect()
+    /// These at all points of each phase.
+    pub(in crate::ocp) fn table(&self, bounds: &Bounds) -> Vec<Vec<Vec<f64>>> {
+        let points = |phase| {
+            let points = (0..=POINTS).map(|i| i as f64 / POINTS as f64);
+            points
+                .map(|theta| self.bounds(bounds, phase, theta))
+                .collect()
+        };
+        (0..self.solved.len()).map(points).collect()
     }
 }
 
@@ -154,7 +134,7 @@ pub(in crate::ocp) fn lows(
 }
 
 /// Minimum of a function between two points, by golden section to the square root of the precision.
-pub(super) fn minimum(value: &mut dyn FnMut(f64) -> f64, mut from: f64, mut to: f64) -> f64 {
+fn minimum(value: &mut dyn FnMut(f64) -> f64, mut from: f64, mut to: f64) -> f64 {
     const SHARE: f64 = 0.381_966_011_250_105;
     const STEPS: usize = 40;
     for _ in 0..STEPS {

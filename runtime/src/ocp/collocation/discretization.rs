@@ -29,6 +29,8 @@ pub(in crate::ocp) struct Setting<'a> {
     pub(in crate::ocp) kept: f64,
     /// Price of a longer motion: [`Settings::haste`].
     pub(in crate::ocp) haste: f64,
+    /// Finite elements that are not all of the same length.
+    pub(in crate::ocp) mesh: Option<&'a [Vec<f64>]>,
 }
 
 impl<'a> Setting<'a> {
@@ -55,6 +57,15 @@ impl<'a> Setting<'a> {
             elastic: None,
             kept: 1.0,
             haste: settings.haste,
+            mesh: None,
+        }
+    }
+
+    /// Ends of the finite elements of a phase in an interval, so many, as shares of its length.
+    pub(in crate::ocp) fn ends(&self, interval: usize, elements: usize) -> Vec<f64> {
+        match self.mesh {
+            Some(mesh) => mesh[interval].clone(),
+            None => (1..=elements).map(|e| e as f64 / elements as f64).collect(),
         }
     }
 

@@ -7,7 +7,7 @@ use super::layout::{Distance, FREE, Kept};
 use super::turns::Turns;
 use super::{friction_rows, provided};
 use crate::model::held::is_held;
-use crate::model::{ContactDeclaration, contact_point};
+use crate::model::{ContactDeclaration, Model, contact_point, switching_terms, tangent_point};
 use crate::ocp::motion::mode::sets;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
@@ -17,6 +17,9 @@ use crate::simulation::{ContactMode, per_second};
 /// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
 /// that grazes a surface is none that can be followed.
 const LEAST_IMPACT: f64 = 1e-3;
+
+/// Share of its terms up to which the function of a condition vanishes in a guess, which meets its equations to 1e-8 or so.
+const UNDECIDED: f64 = 1e-6;
 
 /// The switches of one instant: the first one and those that accompany it.
 pub(super) struct Instant<'s> {
@@ -77,28 +80,51 @@ pub(super) fn let_go(builder: &mut Builder, instant: &Instant) {
     enter(builder, instant);
 }
 
-/// Sets the modes after a switch, and the velocities that conditions set there which come true.
+/// Sets the modes after a switch, and the velocities that conditions set there which come true: those that come true together from the same
+/// velocities, and behind them those that what these set makes true.
 pub(super) fn enter(builder: &mut Builder, instant: &Instant) {
     modes_after(builder, instant);
-    for switch in instant.all() {
-        if sets(builder.setting.model, switch) {
-            set(builder, switch.contact);
+    let model = builder.setting.model;
+    let set = instant.all().filter(|switch| sets(model, switch));
+    let mut waiting: Vec<usize> = set.map(|switch| switch.contact).collect();
+    while let Some(&first) = waiting.first() {
+        let before = builder.state.clone();
+        let x = guessed(builder, &before, model.declaration().inputs());
+        let follows = |&i: &usize| i != first && is_false(model, i, &x);
+        let (late, now): (Vec<usize>, Vec<usize>) = waiting.iter().partition(|i| follows(i));
+        for contact in now {
+            set_from(builder, contact, &before);
         }
+        waiting = late;
     }
 }
 
-/// The velocities that a condition sets: those right before as it says, in the place of the present ones.
-fn set(builder: &mut Builder, contact: usize) {
+/// Whether the function of a condition is below zero at the input vector of a guess.
+fn is_false(model: &dyn Model, contact: usize, x: &[f64]) -> bool {
+    let n = model.declaration().coordinates.len();
+    let mut point = vec![0.0; tangent_point::length(n)];
+    model.tangent(contact, x, &mut point);
+    let against = point[tangent_point::SLIDING_VELOCITY];
+    against > UNDECIDED * switching_terms(model, contact, x)
+}
+
+/// The guess of a state and of the inputs behind it.
+fn guessed(builder: &Builder, state: &[usize], length: usize) -> Vec<f64> {
+    let read = state.iter().chain(&builder.before);
+    let mut x: Vec<f64> = read.map(|&i| builder.program.guessed(i)).collect();
+    x.resize(length, 0.0);
+    x
+}
+
+/// The velocities that a condition sets: those `before` as it says, in the place of the present ones.
+fn set_from(builder: &mut Builder, contact: usize, before: &[usize]) {
     let Setting { model, units, .. } = builder.setting;
     let (n, declaration) = (builder.n, model.declaration());
     let Some(declared) = declaration.optimal_control else {
         return;
     };
     let terms = declared.contacts;
-    let before = builder.state.clone();
-    let read = before.iter().chain(&builder.before);
-    let mut x: Vec<f64> = read.map(|&i| builder.program.guessed(i)).collect();
-    x.resize(declaration.impact_inputs(), 0.0);
+    let x = guessed(builder, before, declaration.impact_inputs());
     let mut values = vec![0.0; terms.impact_functions()];
     model.impact_functions(&x, &mut values);
     let mut uses = Vec::new();
@@ -258,9 +284,7 @@ fn impulse_rows(
 /// The impulse at the end of the motion, where the guess tells the state before the impact.
 fn final_impulse(builder: &Builder, contact: usize) -> f64 {
     let model = builder.setting.model;
-    let variables = builder.state.iter().chain(&builder.before);
-    let mut x: Vec<f64> = variables.map(|&k| builder.program.guessed(k)).collect();
-    x.resize(model.declaration().inputs(), 0.0);
+    let x = guessed(builder, &builder.state, model.declaration().inputs());
     let mut point = vec![0.0; contact_point::length(builder.n)];
     model.contact(contact, &x, &mut point);
     let velocity = point[contact_point::NORMAL_VELOCITY];

@@ -79,7 +79,9 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
     let ends = guessed_ends(interval, switches, &inside);
     let durations = durations(builder, interval, &ends);
     let intervals = builder.setting.problem.intervals;
-    let (elements, count) = (builder.elements[interval], ends.len());
+    let parts = builder.setting.ends(interval, builder.elements[interval]);
+    let (elements, count) = (parts.len(), ends.len());
+    let parts = [vec![0.0], parts].concat();
     let mut elapsed = Elapsed::none(builder.frame.horizon, intervals);
     let mut begin = 0.0;
     for (p, &end) in ends.iter().enumerate() {
@@ -87,7 +89,6 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
             Some(&duration) => duration,
             None => (builder.frame.horizon, 1.0 / intervals as f64),
         };
-        let factor = factor / elements as f64;
         let (from, to) = (
             builder.guessed_time(interval, begin),
             builder.guessed_time(interval, end),
@@ -97,7 +98,11 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
         let ended = switch_at_end(builder, interval, switches, ending, &mut left.turns);
         for e in 0..elements {
             let (first, last) = (e == 0, e + 1 == elements);
-            let time = |e: usize| from + e as f64 / elements as f64 * (to - from);
+            let time = |e: usize| from + parts[e] * (to - from);
+            let factor = match builder.setting.mesh {
+                Some(_) => factor * (parts[e + 1] - parts[e]),
+                None => factor / elements as f64,
+            };
             let element = Element {
                 interval,
                 index: (p * elements + e, count * elements),

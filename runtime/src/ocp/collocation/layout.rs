@@ -135,8 +135,9 @@ pub(in crate::ocp) struct Phase {
     pub(in crate::ocp) cones: Vec<(usize, Direction, usize)>,
     /// (contact, row) of the time that contacts need to come to rest which bounce from the start on.
     pub(in crate::ocp) settling: Vec<(usize, usize)>,
-    /// (contact, share of the length, row) of the gaps that are kept between the stages.
-    pub(in crate::ocp) passed: Vec<(usize, f64, usize)>,
+    /// (share of the length, contact, direction, row) of the cones and sliding velocities that are kept between the stages, as in
+    /// [`Tangential::rows`].
+    pub(in crate::ocp) between: Vec<(f64, usize, Direction, usize)>,
     /// Contacts that begin to slip at the start with no acceleration.
     pub(in crate::ocp) yielded: Vec<usize>,
     /// The switch at the end inside the interval, as an index into the sequence.

@@ -24,11 +24,9 @@
 //! controls, where the motion may be far from the edge, asks for `g_i >= 0` and `g_k >= 0` instead.
 //!
 //! A coordinate whose acceleration depends on nothing but the controls is a parabola on each interval,
-//! so a bound holds at all times if and only if the shifted control points `b_0, b_1, b_2` of the parabola
-//! satisfy `b_0 >= s theta^2`, `b_1 >= -s theta (1 - theta)`, `b_2 >= s (1 - theta)^2` for some `s >= 0` and
-//! `theta` in `[0, 1]`: a nonnegative combination of the Bernstein polynomials and of a square (Lukacs). The
-//! rows have independent gradients also where the coordinate rests on its bound. Under linear controls it is a cubic,
-//! with a condition alike (`cubic_bounds`). Other bounds hold at the stages, and between them where a [`Cut`](layout::Cut) says so.
+//! so bounds hold at all times if and only if its control points meet conditions (`interval_bounds`): it is a nonnegative combination of the
+//! Bernstein polynomials and of a square (Lukacs). Under linear controls it is a cubic, with conditions alike. Other bounds hold at the stages,
+//! and between them where a [`Cut`](layout::Cut) says so.
 //!
 //! The same program with intervals of free lengths tells when the switches of a sequence have to happen
 //! ([`Lengths`](discretization::Lengths)); its motion is none on the grid asked for.
@@ -38,10 +36,10 @@
 //! [`program`](super::program) and [`motion`](super::motion).
 
 pub(in crate::ocp) mod between_stages;
+pub(in crate::ocp) mod bounds;
 mod builder;
-mod cubic_bounds;
 mod cut_rows;
-mod dense_motion;
+pub(in crate::ocp) mod dense_motion;
 pub(in crate::ocp) mod discretization;
 mod friction_cuts;
 pub(in crate::ocp) mod friction_rows;

@@ -133,7 +133,7 @@ fn without_stages(builder: &Builder, element: &Element, closed: &[usize]) -> Pha
         pulled: Vec::new(),
         cones: Vec::new(),
         settling: Vec::new(),
-        passed: Vec::new(),
+        between: Vec::new(),
         yielded: element.turns.yielded.clone(),
         ends_with: element.ends_with,
         closing: [element.closing, element.taking].concat(),

@@ -59,6 +59,7 @@ pub(super) fn with_setting(
         elastic: None,
         kept: 1.0,
         haste: 0.0,
+        mesh: None,
     };
     check(setting, &guessed);
 }

@@ -406,7 +406,6 @@ mod tests {
         let task = Task {
             time: 0.0,
             linear: false,
-            slopes: Vec::new(),
             intervals: 2,
             elements: 4,
             coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),

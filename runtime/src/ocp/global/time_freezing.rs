@@ -22,6 +22,7 @@ use crate::rk::ButcherTableau;
 use crate::simulation::{InitialValueProblem, InputError, SizeGroup};
 use crate::time_freezing::conditions;
 use crate::time_freezing::field::Field;
+use crate::time_freezing::modes;
 use crate::time_freezing::step_form::transcribe;
 use crate::time_freezing::task::{Guess, Outer, Task};
 use crate::time_freezing::transcription::Transcription;
@@ -147,8 +148,9 @@ impl<'a> TimeFreezing<'a> {
     #[cfg(test)]
     fn numerical_lengths(&self, x: &[f64]) -> Vec<f64> {
         let program = &self.transcription;
-        (0..program.elements())
-            .map(|e| program.numerical_length(x, e))
+        let lengths = program.elements.iter();
+        lengths
+            .map(|e| x[e.length] * x[program.intervals[e.interval].length])
             .collect()
     }
 
@@ -198,7 +200,7 @@ impl<'a> TimeFreezing<'a> {
 
 /// The time-freezing system in step form.
 fn field<'a>(model: &'a dyn Model, settings: &TimeFreezingSettings) -> Field<'a> {
-    Field::new(model, settings.auxiliary_acceleration, &[])
+    Field::new(model, settings.auxiliary_acceleration)
 }
 
 /// The scheme, where all settings are in range.
@@ -240,7 +242,6 @@ fn task(
     Task {
         time: 0.0,
         linear: guess.controls.shape() == ControlShape::Linear,
-        slopes: Vec::new(),
         intervals: problem.intervals,
         elements: settings.elements_of(model),
         cross: settings.cross_complementarity,
@@ -258,66 +259,67 @@ fn task(
 
 impl NlpProblem for TimeFreezing<'_> {
     fn variables(&self) -> usize {
-        self.transcription.variables()
+        self.transcription.program.variables()
     }
 
     fn constraints(&self) -> usize {
-        self.transcription.constraints()
+        self.transcription.program.constraints()
     }
 
     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.transcription.variable_bounds(lower, upper);
+        self.transcription.program.variable_bounds(lower, upper);
     }
 
     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.transcription.constraint_bounds(lower, upper);
+        self.transcription.program.constraint_bounds(lower, upper);
     }
 
     fn initial_point(&self, x: &mut [f64]) {
-        self.transcription.initial_point(x);
+        self.transcription.program.initial_point(x);
     }
 
     fn objective(&mut self, x: &[f64]) -> f64 {
-        self.transcription.objective(x)
+        self.transcription.program.objective(x)
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-        self.transcription.gradient(x, gradient);
+        self.transcription.program.gradient(x, gradient);
     }
 
     fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        self.transcription.constraint_values(x, c);
+        self.transcription.program.constraint_values(x, c);
     }
 
     fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-        self.transcription.jacobian_pattern()
+        self.transcription.program.jacobian_pattern()
     }
 
     fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-        self.transcription.jacobian_values(x, values);
+        self.transcription.program.jacobian_values(x, values);
     }
 
     fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-        self.transcription.hessian_pattern()
+        self.transcription.program.hessian_pattern()
     }
 
     fn hessian_values(&mut self, x: &[f64], weight: f64, multipliers: &[f64], values: &mut [f64]) {
         self.transcription
+            .program
             .hessian_values(x, weight, multipliers, values);
     }
 
     fn variable_name(&self, index: usize) -> String {
-        self.transcription.variable_name(index)
+        self.transcription.program.variable_name(index)
     }
 
     fn constraint_name(&self, index: usize) -> String {
-        self.transcription.constraint_name(index)
+        self.transcription.program.constraint_name(index)
     }
 }
 
 impl Mpcc for TimeFreezing<'_> {
     fn complementarities(&self) -> &[(usize, usize)] {
-        self.transcription.complementarities()
+        self.transcription.program.complementarities()
     }
 
     fn complementarity_name(&self, index: usize) -> String {
@@ -325,7 +327,8 @@ impl Mpcc for TimeFreezing<'_> {
     }
 
     fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
-        self.transcription.vanishing_sides(x, vanishes)
+        modes::mark_vanishing(&self.transcription, x, vanishes);
+        true
     }
 }
 

@@ -2,6 +2,7 @@
 
 use hangtime_solver::mpcc::Stationarity;
 
+use super::at_bounds::at_bounds;
 use super::disagreement::compare;
 use super::forces;
 use super::gradient::gradient;
@@ -9,10 +10,8 @@ use super::margins::margins;
 use super::objective::{Replayed, replayed};
 use super::refine_grid::{ROUNDS, refine, refine_all};
 use crate::model::Model;
-use crate::ocp::collocation::between_stages::{excess, violated};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
-use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::motion::mode::{is_condition, sets};
 use crate::ocp::motion::sequence::{Sequence, Switch};
@@ -156,8 +155,37 @@ impl Plan {
         }
     }
 
-    /// A local optimum re-simulated, and what a finer program of it starts from. It is polished, unless that loses its confirmation: where a contact opens at once, rounding decides whether the re-simulation sees it close.
+    /// A local optimum re-simulated, with elements that follow the re-simulation where the two differ beside an active bound, and what a
+    /// finer program of it starts from.
     fn judged(
+        runner: &mut Runner,
+        setting: Setting,
+        elements: &[usize],
+        local: (Local, Stationarity),
+    ) -> Result<(Self, Solution), InputError> {
+        let (mut plan, mut solution) = Self::judged_once(runner, setting, elements, local)?;
+        for _ in 0..ROUNDS {
+            let Some(mesh) = solution.finer.take().filter(|_| !runner.stopped()) else {
+                break;
+            };
+            let elements: Vec<usize> = mesh.iter().map(Vec::len).collect();
+            let mesh = Some(&mesh[..]);
+            let setting = Setting { mesh, ..setting };
+            let Some(again) = plan.again(runner, setting, &elements, (&[], false))? else {
+                break;
+            };
+            let (finer, other) = Self::judged_once(runner, setting, &elements, again)?;
+            if other.status == Status::Unconfirmed && solution.status != Status::Unconfirmed {
+                break;
+            }
+            (plan, solution) = (finer, other);
+        }
+        Ok((plan, solution))
+    }
+
+    /// A local optimum re-simulated. It is polished, unless that loses its confirmation: where a contact opens at once, rounding decides
+    /// whether the re-simulation sees it close.
+    fn judged_once(
         runner: &mut Runner,
         setting: Setting,
         elements: &[usize],
@@ -297,7 +325,7 @@ fn excess_of(plan: &Local, objective: f64) -> f64 {
 }
 
 /// The motion under the controls of a plan, and its objective beside that of the plan, at as many instants as tell it.
-fn resimulated(
+pub(super) fn resimulated(
     setting: Setting,
     trajectory: &Trajectory,
     (plan, tolerance): ((&Sequence, f64), f64),
@@ -339,26 +367,29 @@ pub(in crate::ocp) fn confirm(
     let (replay, again) = resimulated(setting, trajectory, with, (cost, unit))?;
     let apart = Apart::of(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
-    let limits = Limits::new(setting, settings);
+    let at_bounds = at_bounds(
+        (setting, elements, settings.tolerance),
+        (program, &solution.x),
+        (trajectory, &replay),
+    );
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
         .or_else(|| forces::other_cost(setting, cost, &replay))
-        .or_else(|| violated(program, &solution.x, limits));
+        .or(at_bounds.violated);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
-    let stationarity = unless_held_back(stationarity, &margins);
+    let stationarity = match &at_bounds.apart {
+        Some(_) => Stationarity::None,
+        None => unless_held_back(stationarity, &margins),
+    };
     let agrees = apart.departure <= settings.largest_distance
         && disagreement.is_none()
         && cost_departure <= 1.0;
     let status = status_of(runner, agrees, stationarity);
     Ok(Solution {
-        status,
         objective: cost,
         objective_unit: unit,
         horizon: trajectory.horizon,
-        final_times: (f64::NAN, f64::NAN),
-        parameters: Vec::new(),
-        gradient: None,
         stationarity,
         resimulation_error: apart.distance,
         resimulation_velocity_error: apart.velocity,
@@ -366,8 +397,7 @@ pub(in crate::ocp) fn confirm(
         cost_departure,
         resimulated_objective: simulated,
         let_pass,
-        is_longest: false,
-        disagreement,
+        disagreement: disagreement.or(at_bounds.apart),
         residuals: Residuals {
             primal: solution.residuals.primal,
             dual: solution.residuals.dual,
@@ -375,23 +405,17 @@ pub(in crate::ocp) fn confirm(
         },
         planned_events: planned_events(program.model, sequence, trajectory),
         margins,
-        excess: forces::excess(&forces, excess(program, &solution.x, limits)),
+        excess: forces::excess(&forces, at_bounds.excess),
+        finer: at_bounds.finer,
         controls: trajectory.controls.values().to_vec(),
         control_times: trajectory.controls.times(trajectory.horizon),
         shape: trajectory.controls.shape(),
         elements: elements.to_vec(),
         previous: Some(Previous::new(trajectory.clone(), sequence.clone())),
         motion: Some(replay),
-        violations: solution.violations.clone(),
-        least_time: None,
-        nearest: None,
         size: ProblemSize::of(&program.program, 0),
-        counts: runner.counts,
         seconds: runner.seconds,
-        time_freezing: None,
-        starts: 0,
-        optima: Vec::new(),
-        improvements: Vec::new(),
+        ..Solution::without_motion(status, solution.violations.clone(), runner.counts)
     })
 }
 

@@ -3,6 +3,7 @@
 //! The plan keeps conditions at its stages, and the forces there are less accurate than the motion. So they are looked at
 //! once more with the forces and impulses of the event-driven simulation, and so is the objective that contains them.
 
+use super::at_bounds::add;
 use crate::model::held::complete_largest;
 use crate::model::{ConstraintDeclaration, Model, contact_point};
 use crate::ocp::collocation::discretization::Setting;
@@ -36,33 +37,28 @@ impl Looked {
         }
         self.size = self.size.max(value.abs()).max(without.abs());
     }
+
+    fn excess(&self) -> Excess {
+        Excess {
+            name: self.declared.name.to_owned(),
+            amount: self.violation,
+            unit: self.declared.unit.to_owned(),
+            time: self.time,
+        }
+    }
 }
 
 /// The first condition that is violated by more than plan and re-simulation may differ, in words.
 pub(super) fn violated(conditions: &[Looked]) -> Option<String> {
     let worse = |looked: &&Looked| looked.violation > AGREES * looked.size;
-    conditions.iter().find(worse).map(|looked| {
-        format!(
-            "`{}` is violated by {:.1e} {} at {:.6} s of the re-simulation",
-            looked.declared.name, looked.violation, looked.declared.unit, looked.time
-        )
-    })
+    let first = conditions.iter().find(worse);
+    first.map(|looked| looked.excess().words())
 }
 
-/// The violations of a plan with those of its re-simulation: the larger one of each condition.
+/// The violations at limits with those of forces and impulses.
 pub(super) fn excess(conditions: &[Looked], mut all: Vec<Excess>) -> Vec<Excess> {
     for looked in conditions.iter().filter(|looked| looked.violation > 0.0) {
-        let found = Excess {
-            name: looked.declared.name.to_owned(),
-            amount: looked.violation,
-            unit: looked.declared.unit.to_owned(),
-            time: looked.time,
-        };
-        match all.iter_mut().find(|known| known.name == found.name) {
-            Some(known) if known.amount < found.amount => *known = found,
-            Some(_) => {}
-            None => all.push(found),
-        }
+        add(&mut all, looked.excess());
     }
     all
 }

@@ -11,7 +11,7 @@ use crate::ocp::search::attempt::Local;
 use crate::program::sparse_program::Program;
 
 /// Derivatives by the parameters that stand behind the coordinates and are given; `None` where there are none.
-pub(super) fn gradient(local: &mut Local) -> Option<OptimumGradient> {
+pub(in crate::ocp) fn gradient(local: &mut Local) -> Option<OptimumGradient> {
     let program = &mut local.program;
     let held = program.model.held()?;
     let first = moving(program.model);

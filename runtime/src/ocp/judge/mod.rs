@@ -3,10 +3,14 @@
 //!
 //! Uses [`search`](super::search) to attempt the same sequence again.
 
+mod at_bounds;
 pub(in crate::ocp) mod confirm;
+mod dense;
 mod disagreement;
+mod follow;
 mod forces;
-mod gradient;
+pub(in crate::ocp) mod gradient;
+pub(in crate::ocp) mod incumbent;
 mod margins;
 mod objective;
 mod refine_grid;

@@ -1,15 +1,13 @@
 //! The objective of the re-simulated motion, where it reads neither forces nor impulses.
 //!
 //! A plan adds up its running cost at the stages of its elements, which may be too coarse for it although the end of the motion agrees.
-//! So the cost is added up once more along the event-driven motion: between two breaks, which are events and ends of control intervals,
-//! coordinates are the polynomials of degree five through `(q, v)` at three neighbouring instants, velocities their derivatives, and the
-//! integral of each step is that of Gauss and Legendre with four points. With `h` between instants this errs by `O(h^6)`; only a piece
-//! with fewer than three instants has cubics. What every second instant gives tells the error: that is no difference from the plan.
+//! So the cost is added up once more along the event-driven motion ([`Dense`]): the integral of each step is that of Gauss and Legendre with
+//! four points. With `h` between instants this errs by `O(h^6)`. What every second instant gives tells the error: that is no difference from
+//! the plan.
 
+use super::dense::Dense;
 use crate::model::Model;
-use crate::model::held::complete_largest;
 use crate::ocp::motion::control_grid::ControlGrid;
-use crate::ocp::motion::model_input::drive;
 use crate::simulation::Simulation;
 
 /// Difference of the objectives of plan and re-simulation, relative to the integral of the absolute running cost and the absolute final
@@ -21,9 +19,6 @@ const TELLS: f64 = 0.1;
 
 /// How many times as large the error is with half as many instants: `2^6`, less the error itself.
 const COARSER: f64 = 63.0;
-
-/// Share of a motion below which two of its instants are one.
-const SAME_TIME: f64 = 1e-12;
 
 /// Nodes and weights on `[-1, 1]` of the rule of Gauss and Legendre with four points (Abramowitz and Stegun, table 25.4).
 const GAUSS: [(f64, f64); 4] = [
@@ -63,9 +58,10 @@ pub(super) fn replayed(
     }
     let (mut cost, mut size, mut error) = (0.0, 0.0, 0.0);
     if declared.running_cost {
+        let dense = Dense::new(model, controls, replay);
         let (every, second) = (1, 2);
-        (cost, size) = integral(model, controls, replay, (time, every));
-        let (coarser, _) = integral(model, controls, replay, (time, second));
+        (cost, size) = integral(&dense, every);
+        let (coarser, _) = integral(&dense, second);
         error = (cost - coarser).abs() / COARSER;
     }
     if declared.final_cost {
@@ -90,142 +86,17 @@ pub(super) fn replayed(
     })
 }
 
-/// The integrals of the running cost and of its absolute value over a motion of that length, from one in so many of the instants.
-fn integral(
-    model: &dyn Model,
-    controls: &ControlGrid,
-    replay: &Simulation,
-    (horizon, one_in): (f64, usize),
-) -> (f64, f64) {
-    let motion = &replay.trajectory;
-    let length = horizon / controls.intervals() as f64;
-    let ends = controls.times(horizon);
-    let same = |a: f64, b: f64| (a - b).abs() <= SAME_TIME * horizon;
-    let is_break = |time: f64| {
-        ends.iter().any(|&end| same(end, time))
-            || replay.events.iter().any(|event| same(event.time, time))
-    };
-    let functions = model.declaration().optimal_control;
-    let mut values = vec![0.0; functions.map_or(0, |declared| declared.path_functions())];
+/// The integrals of the running cost and of its absolute value over a motion, from one in so many of its instants.
+fn integral(dense: &Dense, one_in: usize) -> (f64, f64) {
     let (mut sum, mut absolute) = (0.0, 0.0);
-    let mut first = 0;
-    for k in 1..motion.time.len() {
-        let is_last = k + 1 == motion.time.len();
-        if !is_last && !is_break(motion.time[k]) {
-            continue;
+    for step in &dense.steps(one_in) {
+        for (node, weight) in GAUSS {
+            let (middle, half) = (0.5 * (step.from + step.to), 0.5 * (step.to - step.from));
+            let x = dense.input(step, middle + half * node);
+            let value = half * weight * dense.path_functions(&x)[0];
+            sum += value;
+            absolute += value.abs();
         }
-        let chosen = |i: &usize| (i - first).is_multiple_of(one_in) || *i == k;
-        let piece: Vec<usize> = (first..=k).filter(chosen).collect();
-        for step in 0..piece.len() - 1 {
-            let (from, to) = (motion.time[piece[step]], motion.time[piece[step + 1]]);
-            if same(from, to) {
-                continue;
-            }
-            let near = neighbours(&piece, step);
-            for (node, weight) in GAUSS {
-                let time = 0.5 * (from + to) + 0.5 * (to - from) * node;
-                let mut x = state(replay, near, time);
-                x.extend(drive(model, &controls.at(time / length), time));
-                x.resize(model.declaration().path_inputs(), 0.0);
-                complete_largest(model, &mut x);
-                model.path_functions(&x, &mut values);
-                let weight = 0.5 * (to - from) * weight;
-                sum += weight * values[0];
-                absolute += weight * values[0].abs();
-            }
-        }
-        first = k;
     }
     (sum, absolute)
-}
-
-/// The instants by which a step of a piece is interpolated: its ends and, if there is one, the next to them.
-fn neighbours(piece: &[usize], step: usize) -> &[usize] {
-    let first = step.saturating_sub(usize::from(step + 2 >= piece.len()));
-    &piece[first..(first + 3).min(piece.len())]
-}
-
-/// `(q, v)` at a time by the polynomials through some instants, by divided differences over each of them taken twice.
-fn state(replay: &Simulation, instants: &[usize], time: f64) -> Vec<f64> {
-    let motion = &replay.trajectory;
-    let nodes: Vec<f64> = instants.iter().flat_map(|&k| [motion.time[k]; 2]).collect();
-    let n = motion.q[instants[0]].len();
-    let mut state = vec![0.0; 2 * n];
-    for k in 0..n {
-        let mut table: Vec<f64> = instants.iter().flat_map(|&i| [motion.q[i][k]; 2]).collect();
-        for order in 1..nodes.len() {
-            for i in (order..nodes.len()).rev() {
-                let width = nodes[i] - nodes[i - order];
-                table[i] = if order == 1 && i % 2 == 1 {
-                    motion.v[instants[i / 2]][k]
-                } else if width > 0.0 {
-                    (table[i] - table[i - 1]) / width
-                } else {
-                    0.0
-                };
-            }
-        }
-        let (mut value, mut slope) = (0.0, 0.0);
-        for (node, difference) in nodes.iter().zip(&table).rev() {
-            slope = slope * (time - node) + value;
-            value = value * (time - node) + difference;
-        }
-        (state[k], state[n + k]) = (value, slope);
-    }
-    state
-}
-
-#[cfg(test)]
-mod tests {
-    use super::replayed;
-    use crate::ocp::motion::control_grid::ControlGrid;
-    use crate::ocp::problem::Problem;
-    use crate::simulation::{EventDriven, simulate_once};
-
-    crate::model! {
-        /// A swing under a constant push, whose speed, place and control cost.
-        Swung {
-            parameters { w: rad/s = 9 }
-            coordinates { x: m }
-            controls { u: m/s^2 in -5..=5 }
-            lagrangian (dot(x)^2 - w^2*x^2)/2*1[kg/rad^2]
-            forces { x: u*1[kg/rad^2] }
-            minimize integral(dot(x)^2 + 3[1/s^2]*x^2 + 0.1[s^2]*u^2)
-            start { x: 0.4 [m] }
-            horizon 1 [s]
-        }
-    }
-
-    #[test]
-    fn objective_along_the_motion_is_that_of_the_closed_form() {
-        let swung = Swung::default();
-        let problem = Problem::of(&swung, 4);
-        let u = 2.0;
-        let controls = ControlGrid::constant(vec![vec![u]; 4]);
-        let motion = problem.initial_value_problem(&problem.start(), 1.0, controls.signal(1.0));
-        let simulator = EventDriven {
-            tolerance: 1e-12,
-            max_step: Some(0.25),
-            output_times: 40,
-            ..EventDriven::default()
-        };
-        let replay = simulate_once(&simulator, &swung, &motion).unwrap();
-        // x = c + a cos(w t) with c = u/w^2 and a = 0.4 - c.
-        let (w, c) = (swung.w, u / swung.w.powi(2));
-        let a = 0.4 - c;
-        let squares = |sign: f64| 0.5 * (1.0 + sign * (2.0 * w).sin() / (2.0 * w));
-        let speed = (a * w).powi(2) * squares(-1.0);
-        let place = c * c + 2.0 * a * c * w.sin() / w + a * a * squares(1.0);
-        let exact = speed + 3.0 * place + 0.1 * u * u;
-        let found = replayed(&swung, &controls, &replay, (exact, 0.0)).unwrap();
-        // (w h)^6/720 with w h = 0.225 is 2e-7 of the fast part, and twelve times less in the mean.
-        assert!(
-            (found.cost / exact - 1.0).abs() < 2e-8,
-            "{} {exact}",
-            found.cost
-        );
-        assert!(found.departure < 0.02);
-        let off = replayed(&swung, &controls, &replay, (exact * (1.0 + 3e-6), 0.0)).unwrap();
-        assert!((off.departure - 3.0).abs() < 0.05, "{off:?}");
-    }
 }

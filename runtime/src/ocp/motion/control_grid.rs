@@ -46,6 +46,9 @@ impl ControlShape {
     }
 }
 
+/// Ends of the finite elements of a phase in each interval, as shares of its length.
+pub(in crate::ocp) type Mesh = Vec<Vec<f64>>;
+
 /// Controls as a function of time, in units of intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::ocp) struct ControlGrid {
@@ -71,6 +74,30 @@ impl ControlGrid {
         Self {
             nodes: Some(nodes),
             ..self
+        }
+    }
+
+    /// Whether its intervals are divided among phases instead of being of equal length.
+    pub(in crate::ocp) fn is_aligned(&self) -> bool {
+        self.nodes.is_some() && self.intervals() > 1
+    }
+
+    /// The same controls with each interval of constant ones divided into so many.
+    pub(in crate::ocp) fn divided(&self, parts: usize) -> Self {
+        let nodes = self.nodes.as_ref().map(|nodes| {
+            let ends = nodes.windows(2).flat_map(|ends| {
+                let part = (ends[1] - ends[0]) / parts as f64;
+                (0..parts).map(move |k| ends[0] + k as f64 * part)
+            });
+            ends.chain(nodes.last().copied()).collect()
+        });
+        let values = self.values.iter();
+        Self {
+            shape: self.shape,
+            values: values
+                .flat_map(|u| std::iter::repeat_n(u.clone(), parts))
+                .collect(),
+            nodes,
         }
     }
 
@@ -108,15 +135,19 @@ impl ControlGrid {
         &self.values[0]
     }
 
-    /// Controls at `place`, in units of intervals of equal length, on the later side of a jump.
-    pub(in crate::ocp) fn at(&self, place: f64) -> Vec<f64> {
-        let last = self.intervals() - 1;
-        let Some(nodes) = &self.nodes else {
-            return self.within((place.max(0.0) as usize).min(last), place);
-        };
+    /// The interval at `place`, in units of intervals of equal length, on the later side of an end.
+    pub(in crate::ocp) fn interval_at(&self, place: f64) -> usize {
         let share = place / self.intervals() as f64;
-        let interval = nodes.partition_point(|node| *node <= share).max(1) - 1;
-        self.values[interval.min(last)].clone()
+        let interval = match &self.nodes {
+            None => place.max(0.0) as usize,
+            Some(nodes) => nodes.partition_point(|node| *node <= share).max(1) - 1,
+        };
+        interval.min(self.intervals() - 1)
+    }
+
+    /// Controls at such a place, on the later side of a jump.
+    pub(in crate::ocp) fn at(&self, place: f64) -> Vec<f64> {
+        self.within(self.interval_at(place), place)
     }
 
     /// Controls at a place of that interval, at its end on the earlier side of a jump.

@@ -3,7 +3,9 @@
 
 use super::neighbours::{Neighbour, distinct};
 use super::pressure::Pressure;
+use crate::ocp::collocation::layout::{Phase, Tangential};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::tuning::equal::INSTANT;
 use crate::ocp::tuning::neighbours::{ENTRY, STUCK};
 use crate::simulation::{ContactMode, Direction};
 
@@ -236,18 +238,16 @@ fn inserted_sliding(pressure: &Pressure) -> Vec<Sequence> {
             })
             .collect();
         found.extend(inserted(pressure, &changes, Place::Start, time(0.0)));
-        for (stage, c) in phase.stages.iter().zip(pressure.program.tableau.c()) {
-            let pressed = stage.tangential.iter().filter_map(|tangential| {
-                let mut rows = tangential.rows.iter();
-                let (direction, _) = rows.find(|(_, row)| pressure.presses(*row))?;
-                Some((tangential.contact, tangential.mode, *direction))
+        for (theta, rows) in friction_rows(phase, pressure.program.tableau.c()) {
+            let pressed = rows.into_iter().filter(|&(contact, _, row)| {
+                pressure.presses(row) && !pressure.near(contact, time(theta))
             });
-            let pressed: Vec<(usize, ContactMode, Direction)> = pressed
-                .filter(|&(contact, ..)| !pressure.near(contact, time(*c)))
-                .collect();
+            let known = |(contact, direction, _)| (contact, phase.modes[contact], direction);
+            let mut pressed: Vec<(usize, ContactMode, Direction)> = pressed.map(known).collect();
+            pressed.dedup_by_key(|known| known.0);
             // A contact that turns round without a jump of the controls sticks on the way, as friction pushes it the
             // other way then.
-            let at_a_jump = (time(*c) - time(*c).round()).abs() < pressure.inserted;
+            let at_a_jump = (time(theta) - time(theta).round()).abs() < pressure.inserted;
             // What acts on the other side of a switch says nothing of how the motion comes there.
             let crosses = |contact: usize| declared[contact].switch.is_some();
             let turns = at_a_jump || pressed.iter().any(|known| crosses(known.0));
@@ -261,11 +261,34 @@ fn inserted_sliding(pressure: &Pressure) -> Vec<Sequence> {
                     Change { contact, to, back }
                 };
                 let changes: Vec<Change> = pressed.iter().map(change).collect();
-                found.extend(inserted(pressure, &changes, Place::Inside, time(*c)));
+                found.extend(inserted(pressure, &changes, Place::Inside, time(theta)));
             }
         }
     }
     found
+}
+
+/// Conditions on friction: contact, direction and row, as in [`Tangential::rows`].
+type Rows = Vec<(usize, Direction, usize)>;
+
+/// The conditions on friction inside an element by the share of its length at which they are: those at one instant together.
+fn friction_rows(phase: &Phase, nodes: &[f64]) -> Vec<(f64, Rows)> {
+    let all = |tangential: &Tangential| -> Rows {
+        let rows = tangential.rows.iter();
+        rows.map(|&(direction, row)| (tangential.contact, direction, row))
+            .collect()
+    };
+    let stages = phase.stages.iter().zip(nodes);
+    let at_stages = stages.map(|(stage, &c)| (c, stage.tangential.iter().flat_map(all).collect()));
+    let mut places: Vec<(f64, Rows)> = at_stages.collect();
+    for &(theta, contact, direction, row) in &phase.between {
+        let same = |place: &&mut (f64, Rows)| (place.0 - theta).abs() <= INSTANT;
+        match places.iter_mut().find(same) {
+            Some(place) => place.1.push((contact, direction, row)),
+            None => places.push((theta, vec![(contact, direction, row)])),
+        }
+    }
+    places
 }
 
 /// The sequence with changes of the way of sliding from a time on, and back a little later unless the motion ends

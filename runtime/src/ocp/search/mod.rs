@@ -17,5 +17,5 @@ pub(in crate::ocp) mod replay;
 mod resting;
 pub(in crate::ocp) mod sampled;
 pub(in crate::ocp) mod stationary;
-mod throw;
+pub(in crate::ocp) mod throw;
 mod together;

@@ -90,17 +90,7 @@ pub(in crate::ocp) fn best_of_each_order(
     }
     let tolerance = runner.settings.replay_tolerance;
     let motion = |end: &End| {
-        let Throw {
-            start,
-            controls,
-            horizon,
-        } = end.throw.clone();
-        let motion = Trajectory {
-            horizon,
-            controls,
-            time: vec![0.0],
-            states: vec![start],
-        };
+        let motion = end.throw.over(end.throw.horizon);
         // One that is refused, as in no time, is none.
         simulated(setting, &motion, tolerance).ok().flatten()
     };

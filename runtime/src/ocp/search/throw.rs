@@ -16,24 +16,36 @@ pub(super) type Order = Vec<(usize, bool)>;
 
 /// What a motion is made of.
 #[derive(Clone)]
-pub(super) struct Throw {
+pub(in crate::ocp) struct Throw {
     /// `(q, v)`.
-    pub(super) start: Vec<f64>,
-    pub(super) controls: ControlGrid,
+    pub(in crate::ocp) start: Vec<f64>,
+    pub(in crate::ocp) controls: ControlGrid,
     /// Length \[s\].
-    pub(super) horizon: f64,
+    pub(in crate::ocp) horizon: f64,
+}
+
+impl Throw {
+    /// The start and the controls of its motion over a time.
+    pub(in crate::ocp) fn over(&self, horizon: f64) -> Trajectory {
+        Trajectory {
+            horizon,
+            controls: self.controls.clone(),
+            time: vec![0.0],
+            states: vec![self.start.clone()],
+        }
+    }
 }
 
 /// A place where a motion may end.
 #[derive(Clone)]
-pub(super) struct End {
-    pub(super) throw: Throw,
+pub(in crate::ocp) struct End {
+    pub(in crate::ocp) throw: Throw,
     pub(super) order: Order,
     /// What is missing from each goal, and by how much bounds and path constraints are violated on the way.
-    pub(super) missing: Vec<f64>,
+    pub(in crate::ocp) missing: Vec<f64>,
     /// Number of impacts, one by one.
     pub(super) impacts: usize,
-    pub(super) cost: f64,
+    pub(in crate::ocp) cost: f64,
 }
 
 /// Where a motion that another one was changed into may end.
@@ -46,18 +58,22 @@ pub(super) fn ends_of_changed(setting: Setting, throw: &Throw, most_events: usiz
 }
 
 /// Where a motion may end that is followed so long, and as far as it has no more than `most_events`; its last controls last.
-pub(super) fn ends(setting: Setting, throw: &Throw, longest: f64, most_events: usize) -> Vec<End> {
+pub(in crate::ocp) fn ends(
+    setting: Setting,
+    throw: &Throw,
+    longest: f64,
+    most_events: usize,
+) -> Vec<End> {
     let Setting { model, problem, .. } = setting;
     let declaration = model.declaration();
     let Some(declared) = declaration.optimal_control else {
         return Vec::new();
     };
-    let followed = Trajectory {
-        horizon: longest,
+    let prolonged = Throw {
         controls: prolonged(throw, longest, problem.intervals),
-        time: vec![0.0],
-        states: vec![throw.start.clone()],
+        ..throw.clone()
     };
+    let followed = prolonged.over(longest);
     let simulator = EventDriven {
         tolerance: TOLERANCE,
         output_times: LEAST_PLACES.max(PLACES * problem.intervals),

@@ -2,7 +2,7 @@
 
 use hangtime_solver::Seconds;
 
-use super::optima::{Found, Work, is_as_good, rank, result, sort};
+use super::optima::{Found, Work, is_as_good, is_confirmed, result, sort};
 use super::run::{Begin, Task, failed, tableaus};
 use super::shared_observer::SharedObserver;
 use super::{known, words};
@@ -149,7 +149,7 @@ fn by_its_word(task: &Task, runs: &mut Runs, chosen: &mut Vec<usize>) -> Result<
 
 /// Adds what the search over words leads to where none of the chosen runs leads to a motion.
 fn or_by_words(task: &Task, runs: &mut Runs, chosen: &mut Vec<usize>) -> Result<(), InputError> {
-    let moves = |index: &usize| rank(&runs.all[*index].solution).0 == 0;
+    let moves = |index: &usize| is_confirmed(&runs.all[*index].solution);
     if !task.observer.stopped() && !chosen.iter().any(moves) {
         let mut reports = runs.all.iter().map(|run| &run.solution.time_freezing);
         let report = reports.find_map(Clone::clone);

@@ -2,6 +2,7 @@
 //! lie. The top of the layers; nothing else knows it.
 
 mod freezing;
+mod guessed;
 mod impossible;
 mod known;
 mod nearest;
@@ -20,6 +21,7 @@ use super::problem::Problem;
 use super::settings::{ControlNodes, Formulation, Settings};
 use super::solution::{Solution, Status};
 use super::struck::after_impact;
+use super::tuning::on_grid::FINE;
 use super::unknown::with_unknowns;
 use crate::Observer;
 use crate::model::Model;
@@ -97,11 +99,19 @@ fn solve_consistent(
         return Err(refusal::unsupported(what, "take an equal one"));
     }
     let problem = &problem.on_the_ground(model);
+    // On a finer grid the places at which a motion may end would fill the memory.
+    let guessed = match problem.intervals > FINE {
+        true => None,
+        false => guessed::guessed((model, problem, settings), observer)?,
+    };
     let hasty = waiting::hasty(model, problem, settings);
     let with = hasty.as_ref().unwrap_or(settings);
     let mut solution = searched::searched(model, problem, with, observer)?;
     if hasty.is_some() || waiting::ends_at_rest(model, problem, settings, &solution) {
         solution = waiting::shortest(model, problem, settings, observer, solution)?;
+    }
+    if let Some(guessed) = guessed {
+        solution = guessed::no_worse((model, problem, settings), observer, solution, guessed)?;
     }
     if matches!(solution.status, Status::NotFound | Status::Failed(_)) && solution.motion.is_none()
     {

@@ -3,6 +3,7 @@
 use crate::model::Model;
 use crate::ocp::collocation::discretization::{Setting, parabolas};
 use crate::ocp::global::guess::guess;
+use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::units::Units;
 use crate::ocp::scale::Scale;
@@ -18,18 +19,29 @@ pub(super) fn nearest(
     problem: &Problem,
     settings: &Settings,
 ) -> Result<Option<Nearest>, InputError> {
+    on_straight(model, problem, settings, |setting, _| {
+        nearest::nearest(setting)
+    })
+}
+
+/// A look at a problem in the units of the straight motion, which is handed over.
+pub(super) fn on_straight<T>(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    look: impl FnOnce(Setting, &Trajectory) -> Result<T, InputError>,
+) -> Result<T, InputError> {
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
-    let guessed = guess(model, problem, &Guess::Straight, bounds)?;
+    let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let tableau = ButcherTableau::new(Scheme::RadauIia, settings.stages);
     let tableau = tableau.ok_or_else(|| settings.refuse_stages())?;
-    let units = Units::new(model, &Scale::of(model, problem), &guessed, bounds);
+    let units = Units::new(model, &Scale::of(model, problem), &straight, bounds);
     let parabolas = parabolas(model, &problem.start());
     let scene = (model, problem);
-    nearest::nearest(Setting::new(
-        scene,
-        settings,
-        (&tableau, &units),
-        (bounds, &parabolas),
-    ))
+    let with = (&tableau, &units);
+    look(
+        Setting::new(scene, settings, with, (bounds, &parabolas)),
+        &straight,
+    )
 }

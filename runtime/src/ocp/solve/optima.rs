@@ -21,13 +21,19 @@ pub(super) struct Found {
 /// What was done, and the CPU time that it took.
 pub(super) type Work = (Counts, Seconds);
 
-/// The smaller the better: confirmed motions first; among equals the objective.
+/// Whether the re-simulation confirms a motion.
+pub(super) fn is_confirmed(solution: &Solution) -> bool {
+    matches!(solution.status, Status::Solved | Status::Uncertified)
+}
+
+/// The smaller the better: confirmed motions first, and of these the ones on equal intervals, which are asked for unless all are aligned
+/// with phases; among equals the objective.
 pub(super) fn rank(solution: &Solution) -> (usize, f64) {
     let class = match solution.status {
-        Status::Solved | Status::Uncertified => 0,
-        Status::Interrupted if solution.motion.is_some() => 1,
-        Status::Unconfirmed | Status::Unbounded => 2,
-        _ => 3,
+        _ if is_confirmed(solution) => usize::from(solution.is_aligned()),
+        Status::Interrupted if solution.motion.is_some() => 2,
+        Status::Unconfirmed | Status::Unbounded => 3,
+        _ => 4,
     };
     let objective = if solution.objective.is_nan() {
         f64::INFINITY
@@ -37,10 +43,10 @@ pub(super) fn rank(solution: &Solution) -> (usize, f64) {
     (class, objective)
 }
 
-/// Whether two motions are confirmed, and neither of them costs less.
+/// Whether two motions are confirmed on intervals of one kind, and neither of them costs less.
 pub(super) fn costs_the_same(one: &Solution, other: &Solution) -> bool {
     let (a, b) = (rank(one), rank(other));
-    a.0 == 0 && b.0 == 0 && (a.1 - b.1).abs() <= one.tolerated(COST)
+    is_confirmed(one) && a.0 == b.0 && (a.1 - b.1).abs() <= one.tolerated(COST)
 }
 
 /// Whether a solution came to as much as another one: to one that is confirmed sooner than to one that is not, else to an
@@ -72,7 +78,7 @@ fn agrees(a: &Solution, objective: f64, switches: usize) -> bool {
 /// The first of the motions that were found, with the work of all runs and the local optima that were seen.
 pub(super) fn result(
     found: Vec<Found>,
-    seen: Vec<Found>,
+    mut seen: Vec<Found>,
     (counts, seconds): Work,
     stopped: bool,
 ) -> Solution {
@@ -87,6 +93,8 @@ pub(super) fn result(
             ..Solution::without_motion(Status::Interrupted, Vec::new(), counts)
         };
     };
+    // Beside a plan on equal intervals those that are aligned with phases are of another problem.
+    seen.retain(|run| best.solution.is_aligned() || !run.solution.is_aligned());
     let improvements = improvements(&seen);
     let starts = seen.iter().filter_map(|run| match run.source {
         Source::Start(start) => Some(start),
@@ -120,9 +128,9 @@ fn improvements(seen: &[Found]) -> Vec<Improvement> {
         solution,
     } in seen
     {
-        let (class, objective) = rank(solution);
+        let (_, objective) = rank(solution);
         let better = |last: &Improvement| objective < last.objective - solution.tolerated(OPTIMUM);
-        if class == 0 && found.last().is_none_or(better) {
+        if is_confirmed(solution) && found.last().is_none_or(better) {
             found.push(Improvement {
                 cpu: *cpu,
                 objective,
@@ -143,9 +151,9 @@ fn optima(best: &Found, seen: Vec<Found>) -> Vec<Optimum> {
         } = found;
         let starts = match source {
             Source::Start(start) => vec![start],
-            Source::Words => Vec::new(),
+            Source::Guess | Source::Words => Vec::new(),
         };
-        if solution.motion.is_none() || rank(&solution).0 == 2 {
+        if solution.motion.is_none() || rank(&solution).0 == 3 {
             continue;
         }
         let switches = solution.planned_events.len();

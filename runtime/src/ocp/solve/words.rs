@@ -4,7 +4,7 @@ use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp;
 
-use super::optima::{Found, costs_the_same, rank, result, sort};
+use super::optima::{Found, costs_the_same, is_confirmed, rank, result, sort};
 use super::placing::{Begun, grids, on_grid};
 use super::run::{Begin, Task, demoted, failed, tableaus};
 use super::shared_observer::SharedObserver;
@@ -14,6 +14,7 @@ use crate::ocp::collocation::discretization::{Lengths, Setting, parabolas};
 use crate::ocp::effort::Effort;
 use crate::ocp::global::guess::guess;
 use crate::ocp::judge::confirm::{confirm, report};
+use crate::ocp::judge::gradient::gradient;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::problem::{Problem, bounds};
@@ -24,12 +25,12 @@ use crate::ocp::search::attempt::Local;
 use crate::ocp::search::readings::Readings;
 use crate::ocp::search::sampled::drawing_range;
 use crate::ocp::settings::{ControlNodes, Guess, Settings};
-use crate::ocp::solution::{Solution, Source, Status};
+use crate::ocp::solution::{Solution, Source, Status, WordCounts};
 use crate::ocp::tuning::beginnings::TURNS;
 use crate::ocp::tuning::equal::{MOTION, OPTIMUM};
 use crate::ocp::tuning::grids::{ELEMENTS_OF_ONE, FINER, KEPT};
 use crate::ocp::tuning::off_grid::STAGES;
-use crate::ocp::tuning::on_grid::{BEYOND, FINEST, PLACED, SIMULATED};
+use crate::ocp::tuning::on_grid::{BEYOND, FINEST, NEAR, PLACED, SIMULATED};
 use crate::ocp::words::aligned::{Aligned, followed};
 use crate::ocp::words::beginnings::beginnings;
 use crate::ocp::words::off_grid::{Goals, Timed};
@@ -90,6 +91,8 @@ pub(super) fn solve(
     sort(&mut search.found);
     let mut solution = Solution {
         starts: search.starts,
+        bound: search.bound,
+        words: search.words,
         ..result(search.found, search.seen, work, observer.stopped())
     };
     if !driven {
@@ -145,8 +148,11 @@ struct Search {
     found: Vec<Found>,
     /// On all of them.
     seen: Vec<Found>,
-    /// Guesses of the best word.
+    /// Guesses of the best word, and the words that were tried.
     starts: usize,
+    words: WordCounts,
+    /// The least merit of a word that meets its goals.
+    bound: Option<f64>,
     /// Final times that were looked at.
     final_times: (f64, f64),
 }
@@ -158,6 +164,8 @@ impl Search {
             found: Vec::new(),
             seen: Vec::new(),
             starts: 0,
+            words: WordCounts::default(),
+            bound: None,
             final_times: (f64::NAN, f64::NAN),
         }
     }
@@ -177,13 +185,13 @@ impl Search {
 
     /// Whether a motion is confirmed.
     fn is_confirmed(&self) -> bool {
-        self.found.iter().any(|found| rank(&found.solution).0 == 0)
+        self.found.iter().any(|found| is_confirmed(&found.solution))
     }
 
     /// The least objective of a motion that is confirmed.
     fn least(&self) -> Option<f64> {
         let found = self.found.iter().map(|found| &found.solution);
-        let confirmed = found.filter(|solution| rank(solution).0 == 0);
+        let confirmed = found.filter(|solution| is_confirmed(solution));
         confirmed
             .map(|solution| solution.objective)
             .min_by(f64::total_cmp)
@@ -275,8 +283,10 @@ impl Search {
             let (begun, goals) = beginnings(runner, (setting, &guessed), (&range, turn))?;
             let with = (begun.library, goals);
             let words = Words::new(setting, (&coarse, settings), &guessed, with);
-            let (words, goals, starts) = words.run(runner, &begun.words);
+            let (words, goals, counts, starts) = words.run(runner, &begun.words);
             self.starts += starts;
+            self.words.tried += counts.tried;
+            self.words.failed += counts.failed;
             turn += 1;
             let known = matches!(settings.guess, Guess::Previous(_));
             let draws = !known && turn < TURNS && settings.uses("redraw") && !runner.stopped();
@@ -284,6 +294,8 @@ impl Search {
                 break (words, goals, begun.motions);
             }
         };
+        let reached = words.iter().filter(|word| word.meets());
+        self.bound = reached.map(Timed::merit).reduce(f64::min);
         let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
         let units: Vec<Units> = words.iter().map(own).collect();
         for (index, task) in tasks.iter().enumerate() {
@@ -359,6 +371,9 @@ impl Search {
             runner.effort = Effort::Quick;
             let plans = on_grid(runner, found.words, &grids)?;
             let refuted = self.decided(task, runner, (plans.begun, count))?;
+            if task.model.declaration().controls.is_empty() {
+                self.by_phases(runner, found)?;
+            }
             // What finer elements do not change is not for want of them.
             let best = self.least();
             let coarse =
@@ -377,6 +392,38 @@ impl Search {
         }
     }
 
+    /// Without controls, where no plan on one interval comes to what the best word does: what that word comes to with intervals for each phase, on
+    /// which nothing has to be constant, and with twice as many.
+    fn by_phases(&mut self, runner: &mut Runner, found: &OffGrid) -> Result<(), InputError> {
+        let reaches = |solution: &Solution, bound: f64| {
+            rank(solution).0 == 0 && solution.objective <= bound + solution.tolerated(NEAR)
+        };
+        let phases = found.words.iter().map(Timed::phases);
+        let mut intervals = phases.fold(ELEMENTS_OF_ONE, usize::max);
+        let most = FINER * intervals;
+        while intervals <= most && !runner.stopped() {
+            let mut plans = self.found.iter().map(|found| &found.solution);
+            let bound = self.bound;
+            if bound.is_none_or(|bound| plans.any(|plan| reaches(plan, bound))) {
+                break;
+            }
+            let problem = Problem {
+                intervals,
+                ..found.setting.problem.clone()
+            };
+            let setting = Setting {
+                problem: &problem,
+                ..found.setting
+            };
+            let elements = vec![1; intervals];
+            let finer = OffGrid { setting, ..*found };
+            let best = found.words.get(..1).unwrap_or_default();
+            self.aligned(runner, best, &finer.grids(&elements), false)?;
+            intervals *= FINER;
+        }
+        Ok(())
+    }
+
     /// The best candidate with its neighbours decided; those after it where it is not confirmed, or not proved and the next one costs the
     /// same, or where neighbours have led to a better motion: then a poorer one may lead further. Whether re-simulations contradict all.
     fn decided(
@@ -393,7 +440,7 @@ impl Search {
             let enough = |best: &Solution| {
                 let same = (best.objective - before).abs() <= best.tolerated(OPTIMUM);
                 let open = best.status == Status::Uncertified && same;
-                rank(best).0 == 0 && best.objective <= before + best.tolerated(OPTIMUM) && !open
+                is_confirmed(best) && best.objective <= before + best.tolerated(OPTIMUM) && !open
             };
             if runner.stopped() || !improved && best.as_ref().is_some_and(enough) {
                 break;
@@ -444,10 +491,12 @@ impl Search {
             let Some(mut solution) = confirmed(runner, grid, aligned)? else {
                 continue;
             };
-            if rank(&solution).0 == 0 {
+            if is_confirmed(&solution) {
                 least = least.min(solution.objective);
             }
-            if let Some(motion) = solution.motion.as_mut().filter(|_| !only) {
+            let driven = !grid.setting.model.declaration().controls.is_empty();
+            let named = driven && !only && solution.is_aligned();
+            if let Some(motion) = solution.motion.as_mut().filter(|_| named) {
                 motion.notes.push(ALIGNED.to_owned());
             }
             self.add(solution);
@@ -482,18 +531,26 @@ fn confirmed(
     let Some((aligned, stationarity, mut best)) = found else {
         return Ok(None);
     };
-    while best.status == Status::Unconfirmed && !runner.stopped() {
-        elements *= 2;
-        if elements > FINEST * runner.settings.elements {
+    for _ in 0..FINEST {
+        let mesh = best.finer.take();
+        if mesh.is_none() {
+            elements *= 2;
+        }
+        let enough = mesh.is_none() && best.status != Status::Unconfirmed;
+        if enough || runner.stopped() || elements > FINEST * runner.settings.elements {
             break;
         }
         let spans = aligned.spans(grid.setting, elements);
-        let Ok(local) = aligned.solved(runner, grid.setting, &spans)? else {
+        let setting = Setting {
+            mesh: mesh.as_deref(),
+            ..grid.setting
+        };
+        let Ok(local) = aligned.solved(runner, setting, &spans)? else {
             break;
         };
         let setting = Setting {
             lengths: Lengths::Phases(&spans),
-            ..grid.setting
+            ..setting
         };
         best = replayed(runner, setting, (local, stationarity), elements)?;
     }
@@ -507,9 +564,11 @@ fn replayed(
     (local, stationarity): (Local, Stationarity),
     elements: usize,
 ) -> Result<Solution, InputError> {
-    let local = local.polished(runner);
-    let elements = vec![elements; setting.problem.intervals];
-    let solution = confirm(runner, setting, &elements, &local, stationarity)?;
+    let mut local = local.polished(runner);
+    let intervals = 0..setting.problem.intervals;
+    let elements: Vec<usize> = intervals.map(|k| setting.ends(k, elements).len()).collect();
+    let mut solution = confirm(runner, setting, &elements, &local, stationarity)?;
+    solution.gradient = gradient(&mut local);
     // At an end of the final times that its program looks at a plan is no optimum: others lie beyond it.
     if setting.final_times().end_at(solution.horizon).is_some() {
         let status = solution.status;

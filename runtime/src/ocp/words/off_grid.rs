@@ -440,6 +440,8 @@ fn pressing(
             found.push((node, tangential.contact, Pressed::Friction, weight));
         }
     }
+    let between = phase.between.iter();
+    found.extend(between.map(|&(theta, i, _, cut)| (theta, i, Pressed::Friction, row(cut))));
     found
 }
 
@@ -452,6 +454,10 @@ impl Timed {
     /// little by themselves.
     pub(super) fn value(&self, size: f64) -> f64 {
         self.merit + WORTH_OF_PHASE * size * self.word().phases() as f64
+    }
+
+    pub(in crate::ocp) fn phases(&self) -> usize {
+        self.word().phases()
     }
 
     pub(in crate::ocp) fn trajectory(&self) -> &Trajectory {

@@ -11,6 +11,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem, has_free_start};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
+use crate::ocp::solution::WordCounts;
 use crate::ocp::tuning::beginnings::MOST_PHASES;
 use crate::ocp::tuning::equal::{MET, MOTION};
 use crate::ocp::tuning::off_grid::{
@@ -125,12 +126,12 @@ impl<'a, 'r> Words<'a, 'r> {
         }
     }
 
-    /// The best words, the best first, the price of their goals, and from how many guesses the best one was solved.
+    /// The best words, the best first, the price of their goals, how many were tried, and from how many guesses the best one was solved.
     pub(in crate::ocp) fn run(
         mut self,
         runner: &mut Runner,
         beginnings: &[Beginning],
-    ) -> (Vec<Timed>, Goals, usize) {
+    ) -> (Vec<Timed>, Goals, WordCounts, usize) {
         for beginning in beginnings {
             self.evaluate(runner, &beginning.draft, &beginning.motion);
         }
@@ -140,8 +141,11 @@ impl<'a, 'r> Words<'a, 'r> {
             self.edit(runner);
         }
         let starts = 1 + self.guesses as usize;
+        let tried = self.seen.len();
+        let solved = self.seen.iter().filter(|seen| seen.merit.is_finite());
+        let failed = tried - solved.count();
         let (words, goals) = self.best_words(runner);
-        (words, goals, starts)
+        (words, goals, WordCounts { tried, failed }, starts)
     }
 
     /// Makes other words of those that are solved, best first, until nothing more is gained.

@@ -64,11 +64,12 @@ pub(super) fn promised(
         }
         let mut finer = run(tolerance, longest, true, watch);
         runs += 1;
-        let last = runs == MOST_RUNS || tolerance <= FINEST;
+        let mut last = runs == MOST_RUNS || tolerance <= FINEST;
         let failed = [&coarser, &finer].map(|run| !run.status.is_solved());
         let ends = if failed == [false, false] {
             let compared = Comparison::of(&coarser, &mut finer, (model, problem), promise);
             let kept = compared.error <= promise;
+            last |= compared.stays();
             if !kept && last {
                 finer.status = inaccurate(&compared, promise);
             }
@@ -98,8 +99,9 @@ fn stopped(run: &Simulation) -> bool {
 
 /// Whether two runs fail for a reason that smaller steps do not mend.
 fn same_failure(coarser: &Simulation, finer: &Simulation) -> bool {
+    use SimulationStatus::{Inaccurate, StepFailed};
     finer.status.name() == coarser.status.name()
-        && !matches!(finer.status, SimulationStatus::StepFailed(_))
+        && !matches!(finer.status, StepFailed(_) | Inaccurate(_))
 }
 
 /// The status of a run that differs from another one by more than `promise`.

@@ -9,7 +9,7 @@ use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::here::{Undetermined, rates};
 use crate::contact::{
-    Balance, ContactState, Decision, Line, ModeError, Touching, Vanished, sliding,
+    Balance, ContactState, Decision, Line, ModeError, Touching, Vanished, shares, sliding,
 };
 use crate::model::{Switching, contact_point, pair_size};
 use crate::run::Place;
@@ -592,8 +592,13 @@ fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
     dynamics.set_mode(&mode);
     let mut slope = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut slope);
+    let mut lines = motion::held(dynamics);
+    lines.extend(others.iter().map(|&i| Line::tangent(i)));
+    let switches = sticking.iter().any(|&i| dynamics.switch_of(i).is_some());
+    // Switches may hold each other of which fewer could not.
+    let independent = switches && shares::are_independent(dynamics, &lines);
     for &i in others {
-        if !motion::holds(dynamics, i) {
+        if independent || !motion::holds(dynamics, i) {
             mode[i] = ContactState::Stick;
             dynamics.set_mode(&mode);
         }

@@ -2,7 +2,7 @@
 //! accelerations for a balance of forces.
 
 use crate::contact::touching::jammed;
-use crate::contact::{Balance, Touching, View, dot};
+use crate::contact::{Balance, Touching, View};
 use crate::simulation::problem::not_unique;
 
 /// Closed contacts, as last evaluated, with what their lines do without contact forces.
@@ -39,7 +39,9 @@ impl ContactProblem {
             ));
         };
         if !breaks && balance.has_others(view, &offsets, &solutions) {
-            return Err(pushes_apart(&balance.touching, view).unwrap_or_else(|| {
+            let parts = balance.touching.parting(view);
+            let parts = parts.map(|i| not_unique(view.model.declaration().contacts[i].name));
+            return Err(parts.unwrap_or_else(|| {
                 format!(
                     "the {what} has several solutions with different velocities: {}",
                     jamming.unwrap_or_else(|| {
@@ -52,14 +54,4 @@ impl ContactProblem {
         }
         Ok(balance)
     }
-}
-
-/// Says which switch pushes away from its zero on both sides, if there is one.
-fn pushes_apart(touching: &Touching, view: &View<'_>) -> Option<String> {
-    let mut contacts = touching.contacts.iter().enumerate();
-    contacts.find_map(|(slot, &i)| {
-        let slides = view.switch_of(i).is_some() && touching.tangent(slot).is_some();
-        let gains = slides && dot(view.tangent(i), view.friction_direction(i)) <= 0.0;
-        gains.then(|| not_unique(view.model.declaration().contacts[i].name))
-    })
 }

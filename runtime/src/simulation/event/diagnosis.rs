@@ -3,7 +3,7 @@
 use super::dynamics::{Dynamics, Switch};
 use super::here::Undetermined;
 use crate::contact::touching::jammed;
-use crate::simulation::problem::{leaps, unbounded, vanishing_inertia, zero_parameters};
+use crate::simulation::problem::{has_pole, leaps, unbounded, vanishing_inertia, zero_parameters};
 use crate::simulation::{Diagnosis, SimulationStatus};
 
 /// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
@@ -84,15 +84,15 @@ impl Place<'_, '_> {
     pub(super) fn pole(mut self, switch: Switch, h: f64) -> SimulationStatus {
         self.time += h;
         let contact = switch.contact();
-        if matches!(switch, Switch::Gap(_)) {
-            let message = leaps(self.contact_name(contact));
-            return SimulationStatus::NotFinite(self.diagnosis(Some(contact), message));
-        }
-        let message = format!(
-            "{} of `{}` changes its sign through infinity; check divisions and poles of the scene",
-            switch.words(),
-            self.contact_name(contact)
-        );
+        let name = self.contact_name(contact);
+        let message = match switch {
+            Switch::Gap(_) => leaps(name),
+            _ if self.dynamics.switch_of(contact).is_some() => has_pole(name),
+            _ => format!(
+                "{} of `{name}` changes its sign through infinity; check divisions and poles of the scene",
+                switch.words()
+            ),
+        };
         SimulationStatus::NotFinite(self.diagnosis(Some(contact), message))
     }
 

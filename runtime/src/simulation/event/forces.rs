@@ -1,8 +1,8 @@
 //! The forces of a run at its last evaluation.
 
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, switching};
 use crate::model::{contact_point, friction_share};
-use crate::simulation::Residuals;
+use crate::simulation::verdict::Verdict;
 
 /// Forces of all contacts.
 pub(super) struct Forces {
@@ -18,8 +18,8 @@ impl Forces {
         }
     }
 
-    /// Takes those at the last evaluation, and returns the residuals there.
-    pub(super) fn measure(&mut self, dynamics: &Dynamics<'_>) -> Residuals {
+    /// Takes those at the last evaluation, and measures there what active contacts hold.
+    pub(super) fn measure(&mut self, dynamics: &Dynamics<'_>, verdict: &mut Verdict) {
         dynamics.forces(&mut self.normal);
         dynamics.friction_forces(&mut self.tangential);
         if let Some(rest) = &dynamics.rest {
@@ -29,20 +29,25 @@ impl Forces {
                     -dynamics.force(i, force) * friction_share(dynamics.model, i, dynamics.input());
             }
         }
-        let mut residuals = Residuals::default();
         for &i in &dynamics.mode.active {
             let point = dynamics.point(i);
-            let gap = point[contact_point::GAP].abs();
-            residuals.primal = residuals
-                .primal
-                .max(gap)
-                .max(point[contact_point::NORMAL_VELOCITY].abs());
+            let (gap, velocity) = (
+                point[contact_point::GAP],
+                point[contact_point::NORMAL_VELOCITY],
+            );
+            let [range, normal, sliding] = dynamics.held_sizes(i);
+            verdict.complements(gap, dynamics.normal_force(i));
             if dynamics.state(i).is_stuck() {
-                residuals.primal = residuals.primal.max(dynamics.sliding_velocity(i).abs());
+                let sizes = (switching::held_velocity(dynamics, i), sliding);
+                let velocity = dynamics.sliding_velocity(i);
+                verdict.vanishes(("the sliding velocity", i), velocity, sizes);
             }
-            let product = gap * dynamics.normal_force(i).abs();
-            residuals.complementarity = residuals.complementarity.max(product);
+            if !dynamics.is_dry(i) {
+                let sizes = (dynamics.closed_gap(i), range);
+                verdict.vanishes(("the gap", i), gap, sizes);
+                let sizes = (dynamics.zero_normal_velocity(i), normal);
+                verdict.vanishes(("the normal velocity", i), velocity, sizes);
+            }
         }
-        residuals
     }
 }

@@ -2,12 +2,12 @@
 
 use super::contact_problem::ContactProblem;
 use super::dop853::System;
-use super::dynamics::{Dynamics, dot};
+use super::dynamics::{Dynamics, Switch};
 use crate::contact::edge::Zeros;
-use crate::contact::{Balance, ContactState, Touching, View};
+use crate::contact::{Balance, ContactState, Direction, Line, Touching, View};
 use crate::model::contact_point;
 use crate::run::impact::{self, Impact};
-use crate::run::{Bounce, Instant};
+use crate::run::{Bounce, Instant, resets};
 
 /// Bounces lower than this share of the range of a gap are left out, and those lower than ten times a closed gap.
 const LOWEST_BOUNCE: f64 = 1e-11;
@@ -68,6 +68,13 @@ impl<'a> Instant<'a> for Here<'_, 'a> {
         rates(self.dynamics, (self.time, self.y))
     }
 
+    fn accelerations(&mut self) -> Vec<f64> {
+        let mut slope = vec![0.0; self.y.len()];
+        self.dynamics.derivative(self.time, self.y, &mut slope);
+        let n = self.dynamics.n;
+        slope[n..2 * n].to_vec()
+    }
+
     fn state(&self, contact: usize) -> ContactState {
         self.dynamics.state(contact)
     }
@@ -95,13 +102,10 @@ impl<'a> Instant<'a> for Here<'_, 'a> {
 
     /// How high a bounce would be depends on what presses the contact in the present mode.
     fn bounces(&mut self, contacts: &[usize], _: bool) -> Vec<Bounce> {
-        let n = self.dynamics.n;
+        let accelerations = self.accelerations();
         let dynamics = &mut *self.dynamics;
-        let mut slope = vec![0.0; self.y.len()];
-        dynamics.derivative(self.time, self.y, &mut slope);
         let bounce = |&i: &usize| {
-            let curvature = dynamics.point(i)[contact_point::CURVATURE];
-            let press = -(curvature + dot(dynamics.normal(i), &slope[n..2 * n]));
+            let press = -dynamics.line_acceleration(Line::normal(i), &accelerations);
             let height = (self.lowest.height.max(LOWEST_BOUNCE) * dynamics.gap_range(i))
                 .max(10.0 * dynamics.closed_gap(i));
             let own = || (2.0 * press.max(0.0) * height).sqrt();
@@ -126,6 +130,13 @@ impl<'a> Instant<'a> for Here<'_, 'a> {
         };
         let solved = problem.solve(view);
         solved.map_err(|message| Undetermined { contact, message })
+    }
+
+    fn set_twice(&self, condition: usize) -> Undetermined {
+        Undetermined {
+            contact: condition,
+            message: resets::set_twice(self.dynamics.model.declaration().contacts[condition].name),
+        }
     }
 
     fn may_follow(&self, _: &Undetermined, _: &[usize]) -> bool {
@@ -162,6 +173,27 @@ impl Here<'_, '_> {
         }
         resting.extend(dry);
         Ok((impact, resting))
+    }
+
+    /// Sets what conditions ask for that come true where a switching function has `vanished`. Returns them, and what still vanishes then.
+    pub(super) fn conditions(
+        &mut self,
+        vanished: Option<Switch>,
+    ) -> Result<(Vec<usize>, Option<Switch>), Undetermined> {
+        let (condition, located) = match vanished {
+            Some(Switch::SlidingVelocity(contact, direction)) => {
+                let comes_true = direction == Direction::Forward;
+                (Some(contact), Some(contact).filter(|_| comes_true))
+            }
+            _ => (None, None),
+        };
+        let value = condition.map(|contact| resets::function(self, contact));
+        let coming = resets::coming(self, located);
+        let set = resets::set(self, coming)?;
+        // Where a condition reads nothing that was set its function vanishes as before, however far rounding has left it from zero.
+        let now = condition.map(|contact| resets::function(self, contact));
+        let vanished = vanished.filter(|_| set.is_empty() || value.is_some() && now == value);
+        Ok((set, vanished))
     }
 
     /// Contacts that are closed, evaluated.

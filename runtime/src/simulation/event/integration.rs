@@ -10,7 +10,7 @@ use hangtime_solver::clock::ThreadTime;
 use self::journal::Journal;
 use self::outputs::Outputs;
 use self::step_size::{Attempts, Rejected, StepEnds};
-use super::audit::{Audit, Checks};
+use super::audit::{self, Checks};
 use super::contact_mode::{self, Outlook};
 use super::diagnosis::Place;
 use super::dop853::{Dop853, System};
@@ -21,7 +21,7 @@ use super::forces::Forces;
 use super::here::{Here, LowestBounce};
 use super::search::{EventSearch, Found, Outcome, Step};
 use super::settings::EventDriven;
-use crate::contact::{ContactState, Direction};
+use crate::contact::ContactState;
 use crate::enclosure::hide;
 use crate::model::Model;
 use crate::run::impact::Impact;
@@ -29,7 +29,7 @@ use crate::run::remarks::Remarks;
 use crate::run::{resets, rest};
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::watch::Watch;
-use crate::simulation::{InitialValueProblem, Residuals, Simulation, SimulationStatus, changes};
+use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus, changes};
 
 /// Steps shorter than this share of the time reached do not change it.
 const SHORTEST: f64 = 1e-15;
@@ -94,7 +94,7 @@ impl<'a> Integration<'a> {
                 error_scale: ErrorScale::new(model.declaration()),
                 start_values: vec![0.0; functions],
                 end_values: vec![0.0; functions],
-                at_end: Residuals::default(),
+                at_end: audit::verdict(settings.tolerance),
                 orientation: 1.0,
                 rejected: Rejected::default(),
             },
@@ -103,7 +103,7 @@ impl<'a> Integration<'a> {
             counts: Attempts::default(),
             checks: Checks {
                 remarks: Remarks::default(),
-                audit: Audit::new(settings.tolerance),
+                verdict: audit::verdict(settings.tolerance),
                 explicit_time,
             },
             journal: Journal::of(dynamics.empty_result()),
@@ -202,10 +202,10 @@ impl<'a> Integration<'a> {
         self.t = limit.unwrap_or(self.t + h);
         self.y.copy_from_slice(self.method.end());
         self.method.advance();
-        self.journal.keep(self.step.at_end);
-        let step = self.journal.result.counts.elements;
+        self.checks.verdict.include(&self.step.at_end);
+        let place = (self.t, self.journal.result.counts.elements);
         let values = &self.step.end_values;
-        self.checks.audit.look(&self.dynamics, values, self.t, step);
+        audit::look(&mut self.checks.verdict, &self.dynamics, values, place);
         std::mem::swap(&mut self.step.start_values, &mut self.step.end_values);
         self.record();
         self.observe();
@@ -287,9 +287,7 @@ impl<'a> Integration<'a> {
         // What is rounding error of a gap here, steps that ended elsewhere do not tell.
         self.dynamics.observe(self.t, &self.y, self.h);
         self.method.finish(&mut self.dynamics, self.t, 0.0);
-        let measured = self.forces.measure(&self.dynamics);
         self.audit_now();
-        self.journal.keep(measured);
         self.record();
         if !over {
             self.enter_mode(switch, false)?;
@@ -397,7 +395,9 @@ impl<'a> Integration<'a> {
         self.step
             .end_values
             .copy_from_slice(&self.dynamics.switching.values);
-        self.step.at_end = self.forces.measure(&self.dynamics);
+        self.step.at_end = audit::verdict(self.settings.tolerance);
+        self.step.at_end.place = (self.t + h, self.journal.result.counts.elements);
+        self.forces.measure(&self.dynamics, &mut self.step.at_end);
         // A step that was cut short says nothing against longer ones.
         let next = self.method.next_size(h, error);
         self.h = if h < self.h { next.max(self.h) } else { next };
@@ -522,22 +522,12 @@ impl<'a> Integration<'a> {
         let vanished = self.dynamics.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
-        let (condition, located) = match vanished {
-            Some(Switch::SlidingVelocity(contact, direction)) => {
-                let comes_true = direction == Direction::Forward;
-                (Some(contact), Some(contact).filter(|_| comes_true))
-            }
-            _ => (None, None),
-        };
-        let mut here = self.here();
-        let value = condition.map(|contact| resets::function(&mut here, contact));
-        let mut set = resets::set(&mut here, located);
-        // Where a condition reads nothing that was set its function vanishes as before, however far rounding has left it from zero.
-        let now = condition.map(|contact| resets::function(&mut here, contact));
-        let vanished = vanished.filter(|_| set.is_empty() || value.is_some() && now == value);
+        let set = self.here().conditions(vanished);
+        let (mut set, vanished) = set.map_err(|problem| self.place().undetermined(problem))?;
         let (mut impact, mut resting) = self.impact(vanished)?;
         if !impact.struck.is_empty() {
-            set.extend(resets::set(&mut self.here(), None));
+            let made_true = resets::set(&mut self.here(), Vec::new());
+            set.extend(made_true.map_err(|problem| self.place().undetermined(problem))?);
         }
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
@@ -551,7 +541,11 @@ impl<'a> Integration<'a> {
             let (dynamics, probe, y) = (&mut self.dynamics, &mut self.probe, &mut self.y);
             contact_mode::change(dynamics, probe, self.t, y, &resting, vanished, outlook)
                 .map_err(|problem| self.place().undetermined(problem))?;
-            if at_start || !resets::set_turned(&mut self.here(), &previously, &mut set) {
+            if at_start {
+                break;
+            }
+            let turned = resets::set_turned(&mut self.here(), &previously, &mut set);
+            if !turned.map_err(|problem| self.place().undetermined(problem))? {
                 break;
             }
             // What was set may lead into a surface.
@@ -619,9 +613,7 @@ impl<'a> Integration<'a> {
         self.step
             .start_values
             .copy_from_slice(&self.dynamics.switching.values);
-        let measured = self.forces.measure(&self.dynamics);
         self.audit_now();
-        self.journal.keep(measured);
         if self.method.slope().iter().all(|slope| slope.is_finite()) {
             self.step.orientation = self.dynamics.orientation;
             Ok(())
@@ -630,11 +622,12 @@ impl<'a> Integration<'a> {
         }
     }
 
-    /// Looks at the signs of the functions last evaluated.
+    /// Takes the forces last evaluated, and looks at the conditions of all contacts there.
     fn audit_now(&mut self) {
-        let step = self.journal.result.counts.elements;
-        let values = &self.dynamics.switching.values;
-        self.checks.audit.look(&self.dynamics, values, self.t, step);
+        let place = (self.t, self.journal.result.counts.elements);
+        let (verdict, dynamics) = (&mut self.checks.verdict, &self.dynamics);
+        audit::look(verdict, dynamics, &dynamics.switching.values, place);
+        self.forces.measure(dynamics, verdict);
     }
 
     /// Records the start of a run that never left it.
@@ -665,9 +658,8 @@ impl<'a> Integration<'a> {
         let (step, dense) = (self.journal.result.counts.elements, &mut self.dense);
         let run = (&mut self.dynamics, &self.method);
         let memory = (&mut dense.state[..], &mut dense.slope[..]);
-        self.checks
-            .audit
-            .look_inside(run, memory, (self.t, h, until), step);
+        let verdict = &mut self.checks.verdict;
+        audit::look_inside(verdict, run, memory, (self.t, h, until), step);
     }
 
     /// The present place, for what has to be said of it.

@@ -3,7 +3,7 @@
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
 //! mode, `dop853` integrates it (`error_scale` says how accurately, `forces` what acts), `search` finds where the
 //! mode ends, `here` tells `run` of the instant there, `contact_mode` (with `contact_problem`, by the laws of `contact`) what follows, `audit`
-//! measures the signs, `diagnosis` says why a run ends early, `ending` which impacts belong to its end. `accuracy` compares two
+//! judges its conditions, `diagnosis` says why a run ends early, `ending` which impacts belong to its end. `accuracy` compares two
 //! runs.
 
 mod accuracy;

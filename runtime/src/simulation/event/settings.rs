@@ -46,7 +46,7 @@ const TOLERANCES: (f64, f64) = (1e-14, 1e-2);
 /// geometric sequences of impacts; velocities and forces below `1e-12` of their terms are zero. The root of a switching
 /// function is where its sign changes. After the events have been found, the signs of forces and gaps are measured on
 /// the continuous extension as well: a run that missed an event by more than errors of integration ends as
-/// [`StepFailed`](crate::simulation::SimulationStatus::StepFailed), and the largest violation is `residuals.dual`. Up to twelve contacts can
+/// [`Inaccurate`](crate::simulation::SimulationStatus::Inaccurate), and the largest violation is `residuals.dual`. Up to twelve contacts can
 /// close at one instant; one with friction that may stick counts twice.
 ///
 /// A run is `solved` only if another one confirms it: the motion is computed with a hundred times the tolerance and other

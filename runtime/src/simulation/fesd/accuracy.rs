@@ -69,13 +69,14 @@ pub(super) fn promised(
         if failed == [false, false] {
             let compared = Comparison::of(&looser, &mut tighter, (model, problem), promise);
             let kept = compared.error <= promise;
-            if !kept && runs == MAX_RUNS {
+            let last = runs == MAX_RUNS || compared.stays();
+            if !kept && last {
                 tighter.status = inaccurate(&compared, promise);
             }
             if kept {
                 confirm(&mut tighter, promise, (model, problem), watch, &mut spent);
             }
-            if kept || runs == MAX_RUNS {
+            if kept || last {
                 return spent.charge(tighter);
             }
             // A witness that disagrees is none: the errors are not yet what their order says.
@@ -131,10 +132,6 @@ pub(super) fn compared(
     watch.restart(true);
     let mut fine = stepping::run(Driver::new(&twice, tableau, model, problem), watch);
     spent.add(&fine);
-    if fine.counts.fallbacks > 0 {
-        // Of switches in steps that are solved as programs the other grid tells more than the length of their elements.
-        fine.error_estimate = None;
-    }
     if fine.status.is_solved() {
         let compared = Comparison::of(&coarse, &mut fine, (model, problem), promise);
         if !coarse.status.is_solved() {

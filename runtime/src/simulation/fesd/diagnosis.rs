@@ -6,11 +6,11 @@ use crate::contact::find;
 use crate::contact::touching::jammed;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
+use crate::run::resets;
 use crate::simulation::problem::{
-    leaps, negative_bound, not_finite_at, not_unique, second_order, unbounded, vanishing_inertia,
-    zero_parameters,
+    has_pole, leaps, negative_bound, not_finite_at, not_unique, second_order, unbounded,
+    vanishing_inertia, zero_parameters,
 };
-use crate::simulation::watch::interrupted;
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 
 /// Switches while time nearly stands still before the contact mode counts as ambiguous. A ball that keeps all but a hundredth
@@ -259,7 +259,6 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
     let failed =
         |what: &str| SimulationStatus::StepFailed(diagnosis(driver, step, contact, describe(what)));
     match stop {
-        Stop::Interrupted => interrupted(driver.now.state.time, driver.record.counts.elements),
         Stop::Element(ElementError::NotFinite) | Stop::Mode(ModeError::NotFinite) => {
             SimulationStatus::NotFinite(diagnosis(
                 driver,
@@ -279,12 +278,14 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
         Stop::Element(ElementError::NotConverged) => {
             failed("Newton's method did not converge; take more steps")
         }
-        Stop::Program(what) => failed(what),
         &Stop::Leap(contact, time) => SimulationStatus::NotFinite(Diagnosis {
             time,
             step,
             contact: Some(contact),
-            message: leaps(driver.setup.name(contact)),
+            message: match driver.now.contacts.switch_of(contact) {
+                None => leaps(driver.setup.name(contact)),
+                Some(_) => has_pole(driver.setup.name(contact)),
+            },
         }),
         Stop::Unresolved => failed("a gap varies too fast for the elements; take more steps"),
         Stop::Location => failed("a switch could not be located; take more steps"),
@@ -306,6 +307,7 @@ fn undetermined(driver: &Driver<'_>, error: ModeError) -> (Option<usize>, String
         ModeError::NegativeBound(contact) => (Some(contact), negative_bound(name(contact))),
         ModeError::NotUnique(contact) => (Some(contact), not_unique(name(contact))),
         ModeError::SecondOrder(contact) => (Some(contact), second_order(name(contact))),
+        ModeError::SetTwice(contact) => (Some(contact), resets::set_twice(name(contact))),
         ModeError::Dependent => {
             let why = "the normals of the active contacts are dependent";
             (None, why.to_owned())

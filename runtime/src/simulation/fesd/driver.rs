@@ -12,14 +12,14 @@ use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{FiniteElement, State};
 use crate::model::{ImpactLaw, Model};
 use crate::rk::ButcherTableau;
-use crate::run::impact::EndOfBounces;
 use crate::run::remarks::Remarks;
 use crate::run::{Bounce, Instant};
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
+use crate::simulation::verdict::Verdict;
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, Event, EventKind, InitialValueProblem, ProblemSize,
-    Residuals, Trajectory,
+    Trajectory,
 };
 use std::ops::Range;
 
@@ -77,7 +77,8 @@ pub(super) struct Record {
     pub(super) trajectory: Trajectory,
     /// Whether the trajectory is left out, but for its end.
     pub(super) forgetful: bool,
-    pub(super) residuals: Residuals,
+    /// Residuals of the conditions of contacts, and whether they are kept.
+    pub(super) verdict: Verdict,
     pub(super) size: ProblemSize,
     pub(super) counts: Counts,
     /// What has to be said of impacts.
@@ -94,6 +95,7 @@ pub(super) struct SegmentStart {
     numerical_time: f64,
     error_estimate: f64,
     local_errors: Vec<f64>,
+    verdict: Verdict,
     recorded: usize,
 }
 
@@ -121,6 +123,7 @@ impl<'a> Driver<'a> {
     ) -> Self {
         let contacts = model.declaration().contacts;
         let now = Present::new(model, problem);
+        let verdict = Verdict::within(settings.residual_tolerance());
         Self {
             setup: Setup {
                 settings,
@@ -138,6 +141,7 @@ impl<'a> Driver<'a> {
                 numerical_time: 0.0,
                 error_estimate: 0.0,
                 local_errors: Vec::new(),
+                verdict,
                 recorded: 0,
             },
             now,
@@ -146,7 +150,10 @@ impl<'a> Driver<'a> {
             element: settings.element(model, tableau),
             next_element: settings.element(model, tableau),
             detector: Detector::new(model, tableau),
-            record: Record::default(),
+            record: Record {
+                verdict,
+                ..Record::default()
+            },
         }
     }
 
@@ -175,6 +182,7 @@ impl<'a> Driver<'a> {
         start.numerical_time = now.numerical_time;
         start.error_estimate = self.control.estimate;
         start.local_errors.clone_from(&self.control.local_errors);
+        start.verdict = self.record.verdict;
         start.recorded = self.record.trajectory.time.len();
     }
 
@@ -187,6 +195,7 @@ impl<'a> Driver<'a> {
         now.numerical_time = start.numerical_time;
         self.control.estimate = start.error_estimate;
         self.control.local_errors.clone_from(&start.local_errors);
+        self.record.verdict = start.verdict;
         self.record.trajectory.truncate(start.recorded);
     }
 
@@ -217,7 +226,7 @@ impl<'a> Driver<'a> {
         self.now.state.copy_from(&self.element.end);
         let state = &self.now.state;
         self.control.motion.include(&state.q, &state.v);
-        let residuals = &mut self.record.residuals;
+        let residuals = &mut self.record.verdict.residuals;
         residuals.primal = residuals.primal.max(self.element.residual_norm);
         self.record.counts.elements += 1;
         self.evaluate_state()?;
@@ -227,7 +236,8 @@ impl<'a> Driver<'a> {
 
     /// Contacts and forces at the present state; measures the residuals there.
     pub(super) fn evaluate_state(&mut self) -> Result<(), ModeError> {
-        self.now.evaluate(&mut self.record.residuals)
+        self.record.verdict.place = (self.now.state.time, self.record.counts.elements);
+        self.now.evaluate(&mut self.record.verdict)
     }
 
     /// Records the inner stages of the solved element; `rates` are those of numerical time.
@@ -328,6 +338,10 @@ impl<'a> Instant<'a> for Driver<'a> {
         self.now.contacts.rates()
     }
 
+    fn accelerations(&mut self) -> Vec<f64> {
+        self.now.acceleration.clone()
+    }
+
     fn state(&self, contact: usize) -> ContactState {
         find(&self.now.active, contact).unwrap_or(ContactState::Open)
     }
@@ -377,6 +391,10 @@ impl<'a> Instant<'a> for Driver<'a> {
         Balance::first(touching, view, offsets)
     }
 
+    fn set_twice(&self, condition: usize) -> ModeError {
+        ModeError::SetTwice(condition)
+    }
+
     /// At the end of bounces contacts may strike one after the other where together they jam.
     fn may_follow(&self, error: &ModeError, struck: &[usize]) -> bool {
         let is_slow = |&i: &usize| {
@@ -392,21 +410,4 @@ pub(super) fn rest_velocity(driver: &Driver<'_>, contact: usize) -> f64 {
     let largest = driver.now.size(contact).speed();
     let chosen = driver.setup.settings.rest_velocity;
     chosen.unwrap_or(REST * largest)
-}
-
-/// Remembers the bounces of contacts that came with these speeds and stay, which were left out.
-pub(super) fn end_bounces(driver: &mut Driver<'_>, ended: &[(usize, f64)]) {
-    let time = driver.now.state.time;
-    for &(contact, speed) in ended {
-        if find(&driver.now.active, contact).is_some() {
-            let pull = -driver.now.contacts.normal_acceleration(contact);
-            let height = (driver.setup.restitution[contact] * speed).powi(2) / (2.0 * pull);
-            let end = EndOfBounces {
-                contact,
-                speed,
-                height,
-            };
-            driver.record.remarks.add_end(time, end);
-        }
-    }
 }

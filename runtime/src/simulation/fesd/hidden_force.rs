@@ -2,17 +2,17 @@
 
 use super::driver::Driver;
 use super::settings::StepFormulation;
-use super::switch;
+use super::switch::{self, Function};
 use crate::contact::find;
 use crate::enclosure::hide;
-use crate::simulation::hidden_force::largest_share;
+use crate::simulation::hidden_force;
 
 /// Share of the tolerance above which a difference counts: an element that is as long as its tolerance allows has
 /// differences of this size by itself, which its error estimate is about.
 const COUNTS: f64 = 4.0;
 
-/// Whether something acts in the first `share` of the solved element that changes the velocity by more than its tolerance, and that its stages
-/// do not show. Only under error control, which may shorten it.
+/// Whether something acts in the first `share` of the solved element that changes the velocity by more than its tolerance or may take a
+/// force away, and that its stages do not show. Only under error control, which may shorten it.
 pub(super) fn acts(driver: &mut Driver<'_>, share: f64) -> bool {
     let Some(tolerance) = driver.control.tolerance else {
         return false;
@@ -38,25 +38,30 @@ pub(super) fn acts(driver: &mut Driver<'_>, share: f64) -> bool {
         .map(|part| part.map(|at| (at / share).min(1.0)))
         .collect();
     let (n, length) = (driver.now.state.v.len(), share * element.length());
-    let (contacts, active) = (&mut driver.now.contacts, element.active());
     let mut weights = vec![0.0; driver.setup.tableau.stages()];
     let mut x = driver.now.x.clone();
-    let at = |place: f64, acceleration: &mut [f64]| {
+    let functions = Function::of_mode(&driver.now).into_iter();
+    let functions: Vec<Function> = functions.filter(|one| one.is_of_forces()).collect();
+    let (contacts, active) = (&mut driver.now.contacts, element.active());
+    let at = |place: f64, values: &mut [f64]| {
         let theta = share * place;
         driver.setup.tableau.dense_weights(theta, &mut weights);
         element.interpolate(theta, &weights, &mut x);
-        match switch::forces(contacts, active, &x) {
-            Ok(forces) => contacts.constrained_acceleration(active, &forces, acceleration),
-            Err(_) => acceleration.fill(f64::NAN),
+        let Ok(forces) = switch::forces(contacts, active, &x) else {
+            return values.fill(f64::NAN);
+        };
+        contacts.constrained_acceleration(active, &forces, &mut values[..n]);
+        for (value, function) in values[n..].iter_mut().zip(&functions) {
+            *value = function.of_forces(contacts, active, &forces);
         }
     };
     let motion = &driver.control.motion;
-    let size = |k: usize| {
+    let most = |k: usize| {
         let size = match k.checked_sub(n - motion.states.len()) {
             Some(state) => motion.states[state],
             None => motion.speed,
         };
-        size.max(element.end.v[k].abs()) + f64::MIN_POSITIVE
+        COUNTS * tolerance * size.max(element.end.v[k].abs())
     };
-    largest_share(&parts, n, length, at, size) > COUNTS * tolerance
+    hidden_force::acts(&parts, (n, functions.len()), length, at, most)
 }

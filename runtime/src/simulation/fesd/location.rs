@@ -9,8 +9,8 @@ use crate::simulation::along::{LEAPS, LEAST_LEAP};
 
 /// Size of a force that changes its sign, relative to its terms, above which it does so through infinity.
 const POLE: f64 = 1e-3;
-/// Evaluations of the switch condition that locate one switch.
-const MAX_LOCATIONS: usize = 60;
+/// Evaluations of the switch condition that locate one switch: 64 bisections use up all digits.
+const MAX_LOCATIONS: usize = 80;
 
 /// Finds the common length of `count` elements at whose end the switch condition holds, and makes
 /// them part of the trajectory. Another contact that turns out to switch earlier takes over.
@@ -134,7 +134,7 @@ fn locate_one(
     let mut slope = switch.slope * count as f64;
     let mut previous: Option<(f64, f64)> = None;
     let mut largest = driver.now.gaps[switch.function.contact].abs();
-    let mut passed = false;
+    let (mut passed, mut leapt) = (false, false);
     for _ in 0..MAX_LOCATIONS {
         let value = switch_condition(driver, switch.function, length, count)?;
         if previous.is_none() && value.is_finite() {
@@ -157,17 +157,20 @@ fn locate_one(
         // What the switch is told apart by is its own time: an element may be far longer than the flight that ends in it.
         let tolerance = 2.0 * f64::EPSILON * begin.max(length * count as f64);
         let closed = after - before <= tolerance;
-        if value == 0.0 || step.abs() <= tolerance || closed {
+        if value == 0.0 || closed || !leapt && step.abs() <= tolerance {
             if !leaps(driver, switch.function, (value, largest), longest) {
                 return Ok(());
             }
             match switch.function.kind {
                 // Beside a pole steps are short: where it is, and whether there is another side, halves tell.
-                SwitchKind::Entry if !closed => {
+                SwitchKind::Entry | SwitchKind::Stopping if !closed => {
+                    leapt = true;
                     length = 0.5 * (before + after);
                     continue;
                 }
-                SwitchKind::Entry if passed => {
+                kind @ (SwitchKind::Entry | SwitchKind::Stopping)
+                    if passed || kind == SwitchKind::Stopping =>
+                {
                     let time = begin + length * count as f64;
                     return Err(Stop::Leap(switch.function.contact, time));
                 }
@@ -176,7 +179,7 @@ fn locate_one(
             }
         }
         length -= step;
-        if !(before < length && length < after) {
+        if leapt || !(before < length && length < after) {
             length = 0.5 * (before + after);
         }
     }
@@ -199,6 +202,12 @@ fn leaps(
         SwitchKind::Entry if driver.setup.tableau.stiffly_accurate() => {
             let least = driver.now.size(function.contact).touching_gap();
             let least = least.max(LEAST_LEAP * extent(&driver.now.x, longest));
+            value.abs() > least.max(LEAPS * largest)
+        }
+        // Where a condition jumps it is another one; beside a pole its function is more than ever.
+        SwitchKind::Stopping if driver.now.contacts.switch_of(function.contact).is_some() => {
+            let size = driver.now.size(function.contact);
+            let least = size.sliding_speed().max(size.crossed_rest());
             value.abs() > least.max(LEAPS * largest)
         }
         // After a release the condition is a velocity, which may jump.

@@ -12,7 +12,7 @@
 //!
 //! `driver` is the state of a run (`present`: where it is) and `stepping` its loop, with lengths by `error_control`;
 //! `detection` looks for switches by bounds (`crate::enclosure`), `location` finds where they are, `mode_change` carries them
-//! out (what happens at an instant is told by `run`), `standstill` is rest between switches, `program` solves a step as a whole.
+//! out (what happens at an instant is told by `run`), `standstill` is rest between switches.
 //!
 //! Without a named number of steps the run promises an accuracy and checks it (`accuracy`).
 //!
@@ -33,7 +33,6 @@ mod hidden_force;
 mod location;
 mod mode_change;
 mod present;
-mod program;
 mod settings;
 mod size;
 mod standstill;
@@ -52,8 +51,7 @@ use super::{
     order_of_impacts, shared_load,
 };
 use crate::Observer;
-use crate::model::{Model, edge};
-use crate::refusal;
+use crate::model::Model;
 
 const OTHER: Other = Other {
     failed: "finite elements",
@@ -84,19 +82,8 @@ impl Simulator for Fesd {
         let tableau = self.tableau()?;
         let closed = Closed::of(model, problem)?;
         let (model, problem) = closed.scene();
-        if self.formulation == StepFormulation::Complementarity
-            && let Some(name) = edge(model)
-        {
-            return Err(refusal::unsupported(
-                format!("an outer edge, of which `{name}` is a piece, as complementarity problem"),
-                "use another formulation",
-            ));
-        }
-        if self.formulation == StepFormulation::Complementarity {
-            InitialValueProblem::check_at_once(model, "the complementarity problem")?;
-        }
         if self.formulation != StepFormulation::ActiveSet {
-            let formulation = "a formulation by complementarity or time-freezing";
+            let formulation = "the time-freezing formulation";
             let remedy = "use the active-set formulation";
             InitialValueProblem::check_resets(model, formulation, remedy)?;
             InitialValueProblem::check_friction(model, formulation, remedy)?;

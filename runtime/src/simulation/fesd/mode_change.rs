@@ -89,9 +89,10 @@ fn settle_after(
     let contacts = driver.setup.contacts();
     let previous = driver.now.active.clone();
     let from: Vec<_> = contacts.clone().map(|i| driver.state(i)).collect();
-    let mut set = resets::set(driver, located);
+    let coming = resets::coming(driver, located);
+    let mut set = resets::set(driver, coming)?;
     let mut struck = change_mode(driver, switched, &mut set)?;
-    while resets::set_turned(driver, &from, &mut set) {
+    while resets::set_turned(driver, &from, &mut set)? {
         // What was set may lead into a surface, or change what holds.
         driver.now.active.clone_from(&previous);
         struck.extend(change_mode(driver, switched, &mut set)?);
@@ -121,7 +122,7 @@ fn change_mode(
     let impact = impact::carry_out(driver, surfaces)?;
     driver.now.numerical_time += impact.impulse / driver.setup.settings.auxiliary_acceleration;
     if !impact.struck.is_empty() {
-        set.extend(resets::set(driver, None));
+        set.extend(resets::set(driver, Vec::new())?);
     }
     let now = &mut driver.now;
     // At an edge the impact may have led to another piece.
@@ -142,7 +143,9 @@ fn change_mode(
         driver.now.evaluate_contacts(active);
         note_held_flights(driver);
         let now = &mut driver.now;
-        hold(&now.contacts, &now.active, &mut now.state.v)?;
+        // A flight too low to be told apart would end with an impact, whose friction is that of what slides.
+        let lines = now.contacts.lines_of_impulses(&now.active);
+        hold(&now.contacts, &lines, &mut now.state.v)?;
     }
     Ok(impact.struck)
 }

@@ -7,12 +7,15 @@ use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::State;
 use crate::model::{ControlPiece, Model, Pieces, friction_share};
 use crate::simulation::near::Near;
-use crate::simulation::{ContactMode, ControlSignal, InitialValueProblem, Residuals, Trajectory};
+use crate::simulation::verdict::Verdict;
+use crate::simulation::{ContactMode, ControlSignal, InitialValueProblem, Trajectory};
 
 /// The present state, and what is known there.
 pub(super) struct Present<'a> {
     pub(super) state: State,
     pub(super) numerical_time: f64,
+    /// Length of the run \[s\].
+    length: f64,
     /// Contacts that carry a force.
     pub(super) active: Vec<ActiveContact>,
     /// Controls \[their units\].
@@ -54,6 +57,7 @@ impl<'a> Present<'a> {
                 v: problem.v.clone(),
             },
             numerical_time: 0.0,
+            length: problem.horizon,
             active: Vec::with_capacity(contacts),
             u: vec![0.0; declaration.controls.len()],
             piece: ControlPiece::default(),
@@ -129,14 +133,6 @@ impl<'a> Present<'a> {
         }
     }
 
-    /// Looks at all contacts, whichever are far.
-    pub(super) fn look_everywhere(&mut self) {
-        let news = self.near.forget();
-        self.write_input();
-        self.choose_pieces(&news);
-        self.observe(news);
-    }
-
     /// Time on which gaps depend, if they do.
     fn time(&self) -> Option<f64> {
         let has_time = self.x.len() > 2 * self.state.q.len() + self.u.len();
@@ -178,8 +174,8 @@ impl<'a> Present<'a> {
         }
     }
 
-    /// Contacts and forces; measures the `residuals`.
-    pub(super) fn evaluate(&mut self, residuals: &mut Residuals) -> Result<(), ModeError> {
+    /// Contacts and forces; the `verdict` takes note of their conditions.
+    pub(super) fn evaluate(&mut self, verdict: &mut Verdict) -> Result<(), ModeError> {
         self.evaluate_near();
         self.contacts
             .remember_scales(self.near.contacts().iter().copied());
@@ -199,38 +195,55 @@ impl<'a> Present<'a> {
         if self.contacts.rest.is_some() {
             self.acceleration.fill(0.0);
         }
+        self.contacts.remember_acceleration(&self.acceleration);
         if !finite(&self.acceleration) || !finite(&self.forces) {
             return Err(ModeError::NotFinite);
         }
         if !finite(&self.gaps) || !finite(&self.velocities) {
             return Err(ModeError::NotFinite);
         }
-        self.measure(residuals);
+        self.measure(verdict);
         Ok(())
     }
 
-    /// Adds the residuals of the contact conditions.
-    fn measure(&self, residuals: &mut Residuals) {
-        let frictions = self.contacts.frictions(&self.active, &self.forces);
+    /// Takes note of the conditions of contacts.
+    fn measure(&self, verdict: &mut Verdict) {
+        let (contacts, length) = (&self.contacts, self.length);
+        let frictions = contacts.frictions(&self.active, &self.forces);
         for ((held, &r), s) in self.active.iter().zip(&self.forces).zip(frictions) {
             let i = held.contact;
-            let (gap, velocity) = (self.gaps[i].abs(), self.velocities[i].abs());
-            residuals.primal = residuals.primal.max(gap).max(velocity);
-            residuals.complementarity = residuals.complementarity.max(gap * r.abs());
-            residuals.dual = residuals.dual.max(-r);
-            if self.contacts.friction(i) > 0.0 {
-                let sense = held.state.sense();
-                if held.state.sticks() {
-                    residuals.primal = residuals.primal.max(self.sliding[i].abs());
-                }
-                residuals.dual = residuals
-                    .dual
-                    .max(s.abs() - self.contacts.friction(i) * r)
-                    .max(-sense * self.sliding[i]);
+            let size = self.size(i);
+            verdict.complements(self.gaps[i], r);
+            verdict.is_positive(("the normal force", i), r, (0.0, contacts.phi_scale(i)));
+            if !contacts.is_dry(i) {
+                let sizes = (size.collected_gap(length), contacts.range(i));
+                verdict.vanishes(("the gap", i), self.gaps[i], sizes);
+                let sizes = (size.touching_velocity(), size.speed());
+                verdict.vanishes(("the normal velocity", i), self.velocities[i], sizes);
             }
+            if contacts.friction(i) == 0.0 {
+                continue;
+            }
+            let (sense, sizes) = (held.state.sense(), (size.crossed_rest(), size.sliding()));
+            if held.state.is_stuck() {
+                verdict.vanishes(("the sliding velocity", i), self.sliding[i], sizes);
+            } else {
+                let along = sense * self.sliding[i];
+                verdict.is_positive(("the sliding velocity", i), along, sizes);
+            }
+            let (reserve, terms) = (
+                contacts.friction(i) * r - s.abs(),
+                contacts.tangential_scale(i),
+            );
+            verdict.is_positive(("the reserve of friction", i), reserve, (0.0, terms));
         }
-        for &gap in &self.gaps {
-            residuals.dual = residuals.dual.max(-gap);
+        for &i in self.near.contacts() {
+            if find(&self.active, i).is_none() {
+                let acting = self.size(contacts.pieces.acting(i));
+                let size = self.size(i).as_difference_from(acting);
+                let sizes = (size.collected_gap(length), contacts.range(i));
+                verdict.is_positive(("the gap", i), self.gaps[i], sizes);
+            }
         }
     }
 

@@ -5,13 +5,13 @@ use crate::model::Model;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
+use crate::simulation::other_grid::SUSPECT;
 
 /// How the equations of a step are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum StepFormulation {
-    /// Newton's method in a fixed contact mode, switches located; the complementarity problem only where
-    /// that fails.
+    /// Newton's method in a fixed contact mode, switches located.
     #[default]
     ActiveSet,
     /// The time-freezing system in numerical time, region by region: free flow, frozen jumps, and contacts that slow the
@@ -21,12 +21,6 @@ pub enum StepFormulation {
     /// The auxiliary dynamics of a jump is a constant field along the impulses of the impact law, whatever number of
     /// contacts jump together, so that it ends where the law says.
     TimeFreezing,
-    /// The complementarity problem of the time-freezing system in every step, in step form with one switching function
-    /// `max(gap, v_n)` a contact: slower, with impact times known to the length of an element. It is the last resort of
-    /// [`ActiveSet`](Self::ActiveSet).
-    /// Simultaneous impacts follow the law of the lean product form, which is Moreau's where the contacts
-    /// do not push each other apart.
-    Complementarity,
 }
 
 /// Simulator by finite elements with switch detection.
@@ -128,15 +122,21 @@ impl Fesd {
     /// Steps of a grid where none are named.
     pub const DEFAULT_STEPS: usize = 60;
 
-    /// The error that is promised; none on a grid, nor with the formulation or the take-offs that are there to be
-    /// compared with.
+    /// The error that is promised; none on a grid, nor with the take-offs that are there to be compared with.
     #[must_use]
     pub fn promise(&self) -> Option<f64> {
         let grid = self.steps.is_some() && self.tolerance.is_none();
-        let published =
-            self.formulation == StepFormulation::Complementarity || !self.exit_condition;
-        let controlled = !published && !grid;
+        let controlled = self.exit_condition && !grid;
         controlled.then(|| self.tolerance.unwrap_or(Self::PROMISE))
+    }
+
+    /// Share of their terms by which conditions of contacts may be missed.
+    pub(super) fn residual_tolerance(&self) -> f64 {
+        match self.promise() {
+            Some(promise) => promise,
+            None if !self.exit_condition => f64::INFINITY,
+            None => SUSPECT,
+        }
     }
 
     /// Stages of the scheme, whether named or not.
@@ -185,7 +185,7 @@ impl Fesd {
         let element = FiniteElement::new(model, tableau);
         match self.formulation {
             StepFormulation::TimeFreezing => element.in_numerical_time(self.auxiliary_acceleration),
-            StepFormulation::ActiveSet | StepFormulation::Complementarity => element,
+            StepFormulation::ActiveSet => element,
         }
     }
 

@@ -1,20 +1,16 @@
 //! What a step of the simulation takes, before any is made.
 
-use hangtime_solver::mpcc::Mpcc as _;
-
-use super::program::{BOUNCE_ELEMENTS, ELEMENTS, Step};
 use super::settings::{Fesd, StepFormulation};
 use crate::contact::{ActiveContact, ContactState};
-use crate::fesd::finite_element::{State, groups as groups_of_element};
-use crate::model::{ImpactLaw, Model, friction_coefficients};
+use crate::fesd::finite_element::groups as groups_of_element;
+use crate::model::{Model, friction_coefficients};
 use crate::rk::ButcherTableau;
 use crate::simulation::joints::Closed;
 use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
-use crate::size::{Purpose, groups_of, kernels};
+use crate::size::kernels;
 
 /// The sizes of the systems that `method` solves on the way over `problem`: an element in free flight, one for each
-/// contact that holds (and slips or sticks where it rubs), and one where all hold; or the program of a step where the
-/// method solves steps as programs.
+/// contact that holds (and slips or sticks where it rubs), and one where all hold.
 ///
 /// # Errors
 /// [`InputError`] if the problem or the method's settings are refused.
@@ -52,12 +48,7 @@ pub fn step_sizes(
     let tableau = method.tableau()?;
     let closed = Closed::of(model, problem)?;
     let (model, problem) = closed.scene();
-    match method.formulation {
-        StepFormulation::Complementarity => {
-            Ok(vec![program_of_a_step(model, problem, method, &tableau)])
-        }
-        _ => Ok(elements(model, problem, method, &tableau)),
-    }
+    Ok(elements(model, problem, method, &tableau))
 }
 
 /// The elements of the modes in which at most one contact holds, and of that in which all do.
@@ -124,57 +115,4 @@ fn elements(
         }
     });
     sizes.collect()
-}
-
-/// The complementarity problem of a step of a grid.
-fn program_of_a_step(
-    model: &dyn Model,
-    problem: &InitialValueProblem,
-    method: &Fesd,
-    tableau: &ButcherTableau,
-) -> FormulationSize {
-    let declaration = model.declaration();
-    let bounces = |i: &usize| {
-        declaration.contacts[*i].law == ImpactLaw::Restitution && model.restitution(*i) > 0.0
-    };
-    let contacts = 0..declaration.contacts.len();
-    let elements = match contacts.into_iter().any(|i| bounces(&i)) {
-        true => BOUNCE_ELEMENTS,
-        false => ELEMENTS,
-    };
-    let start = State {
-        time: 0.0,
-        q: problem.q.clone(),
-        v: problem.v.clone(),
-    };
-    let steps = method.steps.unwrap_or(Fesd::DEFAULT_STEPS);
-    let controls = vec![0.0; declaration.controls.len()];
-    let step = Step {
-        state: &start,
-        u: &controls,
-        slopes: &[],
-        duration: problem.horizon / steps as f64,
-        elements,
-    };
-    let program = step.program(model, &[], tableau);
-    let told = |purpose: Option<Purpose>| purpose.unwrap_or(Purpose::Other);
-    let mut prefixes = vec!["free_", "contact_"];
-    if friction_coefficients(model).iter().any(|mu| *mu > 0.0) {
-        prefixes.push("tangent_");
-    }
-    FormulationSize {
-        formulation: "simulation, time-freezing, program of a step".to_owned(),
-        discretization: format!(
-            "{}, {} stages, {elements} elements",
-            method.scheme.name(),
-            tableau.stages()
-        ),
-        groups: groups_of(
-            &program,
-            program.complementarities(),
-            &|index| told(program.purpose_of_variable(index)),
-            &|index| told(program.purpose_of_row(index)),
-        ),
-        kernels: kernels(declaration, &prefixes, true),
-    }
 }

@@ -5,17 +5,16 @@ use hangtime_solver::clock::ThreadTime;
 use super::diagnosis::{self, MAX_SWITCHES};
 use super::driver::Driver;
 use super::error_control::ErrorControl;
-use super::settings::{Fesd, StepFormulation};
+use super::settings::Fesd;
 use super::stop::Stop;
-use super::{hidden_force, location, mode_change, program, standstill};
+use super::{hidden_force, location, mode_change, standstill};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
-use crate::model::{edge, joint_rows};
 use crate::run::rest::BURST;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::MOMENT;
 use crate::simulation::watch::Watch;
-use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
+use crate::simulation::{EventKind, ProblemSize, Seconds, Simulation, SimulationStatus};
 use crate::simulation::{accumulation, agreement};
 
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
@@ -41,7 +40,11 @@ enum Segment {
 pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
     let clock = ThreadTime::now();
     let status = match steps(&mut driver, watch) {
-        Ok(()) => SimulationStatus::Solved,
+        Ok(()) => {
+            let verdict = &driver.record.verdict;
+            let status = verdict.status(driver.setup.model);
+            status.unwrap_or(SimulationStatus::Solved)
+        }
         Err(status) => status,
     };
     if driver.record.forgetful {
@@ -74,7 +77,7 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         initial_modes: driver.record.initial_modes,
         events: driver.record.events,
         trajectory: driver.record.trajectory,
-        residuals: driver.record.residuals,
+        residuals: driver.record.verdict.residuals,
         size: driver.record.size,
         counts: driver.record.counts,
         seconds: Seconds {
@@ -121,9 +124,14 @@ fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), Simulatio
     now.contacts
         .remember_rounding_at_start(&now.x, MOMENT * driver.setup.horizon);
     leave_the_ground(driver);
+    driver.record_state();
     if let Err(error) = mode_change::settle(driver, &[]) {
-        driver.record_state();
         return Err(diagnosis::stopped(driver, 0, &Stop::Mode(error)));
+    }
+    let mut events = driver.record.events.iter();
+    if !events.any(|event| event.kind == EventKind::Impact) {
+        // The instant before is one of its own where something is struck at once.
+        driver.record.trajectory.truncate(0);
     }
     driver.record.initial_modes = driver.now.modes();
     driver.record_state();
@@ -240,14 +248,10 @@ fn advance(
         take_up_controls(driver, number)?;
         let next = driver.setup.controls.next_break(driver.now.state.time);
         let piece_end = next.map_or(end, |next| next.min(end));
-        if driver.setup.settings.formulation == StepFormulation::Complementarity {
-            driver.now.look_everywhere();
-            program::solve_program(driver, piece_end, watch)
-                .map_err(|stop| diagnosis::stopped(driver, number, &stop))?;
-        } else if standstill::rests(driver) {
+        if standstill::rests(driver) {
             standstill::rest(driver, piece_end)
                 .map_err(|error| diagnosis::stopped(driver, number, &Stop::Mode(error)))?;
-        } else if let Err(status) = attempt(driver, &mut step, piece_end, watch) {
+        } else if let Err(status) = attempt(driver, &mut step, piece_end) {
             match standstill::comes_to_rest(driver) {
                 Ok(true) => {}
                 Ok(false) => return Err(status),
@@ -270,7 +274,6 @@ fn attempt(
     driver: &mut Driver<'_>,
     step: &mut Step,
     piece_end: f64,
-    watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
     let time = driver.now.state.time;
     let share = (piece_end - time) / (step.end - step.begin);
@@ -315,7 +318,7 @@ fn attempt(
             }
             driver.record.log.tidy(&mut driver.record.events);
         }
-        Err(stop) => recover(driver, step, (end, stop), watch)?,
+        Err(stop) => recover(driver, step, (end, stop))?,
     }
     Ok(())
 }
@@ -343,12 +346,11 @@ fn foreseen(driver: &mut Driver<'_>, end: f64, elements: usize) -> f64 {
     }
 }
 
-/// Goes on after a segment up to `end` that failed: with shorter elements, or with the step as a program.
+/// Goes on after a segment up to `end` that failed with shorter elements, as far as they may help.
 fn recover(
     driver: &mut Driver<'_>,
     step: &mut Step,
     (end, stop): (f64, Stop),
-    watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
     if matches!(stop, Stop::Leap(..)) {
         return Err(diagnosis::stopped(driver, step.number, &stop));
@@ -368,25 +370,7 @@ fn recover(
         let jammed = Stop::Mode(ModeError::Jammed);
         return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-    // The program knows no edges, no switches, and one coefficient of friction a contact; motions with joints are left to the event-driven method.
-    let mut declared = driver.setup.model.declaration().contacts.iter();
-    let beyond = declared.any(|known| {
-        let kinetic = known.friction.is_some_and(|friction| friction.kinetic);
-        let across = known
-            .friction
-            .is_some_and(|friction| friction.across.is_some());
-        known.switch.is_some() || kinetic || across || !known.loads.is_empty()
-    });
-    let unknown =
-        beyond || edge(driver.setup.model).is_some() || joint_rows(driver.setup.model) > 0;
-    if mode || not_finite || unknown {
-        return Err(diagnosis::stopped(driver, step.number, &stop));
-    }
-    driver.now.look_everywhere();
-    program::solve_program(driver, end, watch)
-        .map_err(|stop| diagnosis::stopped(driver, step.number, &stop))?;
-    step.halvings = 0;
-    Ok(())
+    Err(diagnosis::stopped(driver, step.number, &stop))
 }
 
 /// Controls that hold from now on; a jump of theirs may change the contact mode.

@@ -15,10 +15,6 @@ pub(super) enum Stop {
     Leap(usize, f64),
     /// A gap varies too fast for the samples of an element; shorter elements help.
     Unresolved,
-    /// The complementarity problem of the step was not solved.
-    Program(&'static str),
-    /// The observer asked to stop.
-    Interrupted,
 }
 
 impl From<ElementError> for Stop {

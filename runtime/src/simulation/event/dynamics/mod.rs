@@ -20,7 +20,7 @@ pub(in crate::simulation) use switch::Switch;
 use std::ops::{Deref, DerefMut};
 
 pub(in crate::simulation) use crate::contact::dot;
-use crate::contact::{ContactState, Direction, View, stuck};
+use crate::contact::{ContactState, Direction, Extent, View, stuck};
 use crate::enclosure::Bounds;
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
@@ -75,6 +75,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     /// stays, none of them has passed through infinity.
     pub(in crate::simulation) orientation: f64,
     equations: Equations,
+    /// How far and how fast the motion has been.
+    extent: Extent,
     /// What counts as zero at each contact.
     scales: Vec<ContactScale>,
     /// Which contacts may close.
@@ -124,6 +126,7 @@ impl<'a> Dynamics<'a> {
             evaluations: 0,
             orientation: 1.0,
             equations: Equations::new(contacts, rows),
+            extent: Extent::default(),
             scales: vec![ContactScale::default(); contacts],
             near: Near::new(model, surfaces(model)),
             auxiliary_acceleration,
@@ -362,13 +365,15 @@ impl<'a> Dynamics<'a> {
         )
     }
 
-    /// Takes note of the sizes of the functions of all contacts at a state, by which is measured what counts as zero.
+    /// Takes note of the sizes of the functions of all contacts at a state, by which is measured what counts as zero there.
     /// `moment` is a time over which the motion is smooth, such as a step size.
     pub(in crate::simulation) fn observe(&mut self, t: f64, y: &[f64], moment: f64) {
         self.load(t, y);
         self.view.evaluate_free_acceleration(&self.x);
         self.stay_near();
         let n = self.n;
+        let a = self.view.free_acceleration();
+        self.extent.include(&y[..n], &y[n..2 * n], a);
         for slot in 0..self.near.contacts().len() {
             let i = self.near.contacts()[slot];
             self.evaluate_sides(i);
@@ -376,7 +381,7 @@ impl<'a> Dynamics<'a> {
             let friction = rubs.then(|| (view.tangent_point(i), view.friction(i)));
             let instant = Instant::new(&y[..2 * n], view.free_acceleration(), moment);
             let time = if self.explicit_time { t } else { 0.0 };
-            self.scales[i].observe(view.point(i), friction, instant.at(time));
+            self.scales[i].observe(view.point(i), friction, instant.at(time), &self.extent);
             let terms = switching_terms(self.model, i, &self.x);
             self.scales[i].observe_switch(terms);
             if self.is_in_space(i) {
@@ -583,7 +588,7 @@ impl<'a> Dynamics<'a> {
         self.scales[contact].rounding()
     }
 
-    /// Range of the values of a gap so far.
+    /// By how much the way of the motion has changed a gap.
     pub(in crate::simulation) fn gap_range(&self, contact: usize) -> f64 {
         self.scales[contact].range()
     }
@@ -596,6 +601,18 @@ impl<'a> Dynamics<'a> {
     /// Below this normal velocity a contact is at rest.
     pub(in crate::simulation) fn zero_normal_velocity(&self, contact: usize) -> f64 {
         self.scales[contact].zero_normal_velocity()
+    }
+
+    /// Sizes of the gap, the normal and the sliding velocity of a contact that is held: at least of what forces like the present ones
+    /// could make of them in the longest moment.
+    pub(in crate::simulation) fn held_sizes(&self, contact: usize) -> [f64; 3] {
+        let (scale, moment) = (&self.scales[contact], self.scales[contact].longest());
+        let speed = moment * self.switching.force_floor[contact];
+        [
+            scale.range().max(moment * speed),
+            scale.normal_velocity().max(speed),
+            scale.sliding_velocity().max(speed),
+        ]
     }
 
     /// Below these normal and sliding velocities contacts are at rest.

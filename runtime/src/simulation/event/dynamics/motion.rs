@@ -1,7 +1,7 @@
 //! The motion that the contact accelerations of a mode give, and the projection onto its surfaces.
 
 use super::{Dynamics, rows, switching};
-use crate::contact::{ContactState, Line, sharing, stuck};
+use crate::contact::{ContactState, Line, shares, stuck};
 use crate::model::{contact_point, joint_rows};
 use crate::simulation::event::dop853::System;
 
@@ -22,13 +22,17 @@ pub(in crate::simulation) fn keeps_apart(dynamics: &Dynamics<'_>, contact: usize
     depends(dynamics, Line::normal(contact))
 }
 
+/// The lines whose velocities the mode keeps zero.
+pub(in crate::simulation) fn held(dynamics: &Dynamics<'_>) -> Vec<Line> {
+    let normals = dynamics.mode.active.iter().map(|&i| Line::normal(i));
+    normals
+        .chain(dynamics.mode.sticking.iter().copied())
+        .collect()
+}
+
 /// Whether the velocity of a line depends on those that the mode keeps zero.
 fn depends(dynamics: &Dynamics<'_>, line: Line) -> bool {
-    let normals = dynamics.mode.active.iter().map(|&i| Line::normal(i));
-    let held: Vec<Line> = normals
-        .chain(dynamics.mode.sticking.iter().copied())
-        .collect();
-    !sharing::is_free(dynamics, &held, line).unwrap_or(false)
+    !shares::is_free(dynamics, &held(dynamics), line).unwrap_or(false)
 }
 
 /// Moves the state onto `g = 0`, `v_n = 0` of the active contacts and `v_t = 0` of the sticking ones,

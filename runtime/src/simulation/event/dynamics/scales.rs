@@ -1,10 +1,11 @@
 //! What counts as zero at a contact: shares of the sizes of its own functions, so that it depends neither on where
-//! a scene is nor on the units in which it is written.
+//! a scene is nor on the units in which it is written. How far and how fast the motion has been says the [`Extent`].
 
+use crate::contact::Extent;
 use crate::model::rounding::ROUNDINGS;
 use crate::model::{contact_point, tangent_point};
 
-/// Gaps below this share of the range of values that the gap has had are closed: contacts that close at one
+/// Gaps below this share of what the way of the motion changes of them are closed: contacts that close at one
 /// instant do so up to the errors of integration.
 const CLOSED_GAP: f64 = 1e-12;
 /// Velocities below this share of the largest terms they have been sums of are zero.
@@ -14,17 +15,16 @@ const TURNS: f64 = 4.0;
 /// A flight lower than this share of the range of the gap is none. It ends the geometric sequence of impacts of,
 /// for example, a rocking block.
 const LOWEST_FLIGHT: f64 = 1e-14;
-/// Sizes at one contact, measured along the motion.
-#[derive(Debug, Clone, Copy)]
+/// Sizes at one contact, where the motion is.
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ContactScale {
     /// Rounding error of the gap where it was last measured.
     rounding: f64,
-    /// Lowest and highest gap so far.
-    lowest: f64,
-    highest: f64,
-    /// Largest sum of the terms of the normal velocity so far.
+    /// By how much the way of the motion has changed the gap.
+    range: f64,
+    /// Sum of the terms of the normal velocity.
     normal_velocity: f64,
-    /// Largest sum of the terms of the sliding velocity so far.
+    /// Sum of the terms of the sliding velocity.
     sliding_velocity: f64,
     /// Rounding error that the place leaves in the normal velocity.
     turn: f64,
@@ -71,16 +71,6 @@ impl<'a> Instant<'a> {
         (velocity - own).abs() * self.time
     }
 
-    /// `sum_k |covector_k| (|v_k| + moment |a_k|)`: size of the terms of a velocity.
-    fn velocity_terms(&self, covector: &[f64]) -> f64 {
-        let terms = self.v.iter().zip(self.a);
-        covector
-            .iter()
-            .zip(terms)
-            .map(|(c, (v, a))| c.abs() * (v.abs() + self.moment * a.abs()))
-            .sum()
-    }
-
     /// `sum_k |covector_k a_k|`: size of the terms of an acceleration.
     fn acceleration_terms(&self, covector: &[f64]) -> f64 {
         let terms = covector.iter().zip(self.a);
@@ -94,55 +84,36 @@ impl<'a> Instant<'a> {
     }
 }
 
-impl Default for ContactScale {
-    fn default() -> Self {
-        Self {
-            rounding: 0.0,
-            lowest: f64::INFINITY,
-            highest: f64::NEG_INFINITY,
-            normal_velocity: 0.0,
-            sliding_velocity: 0.0,
-            turn: 0.0,
-            longest: 0.0,
-        }
-    }
-}
-
 impl ContactScale {
     /// Takes note of a contact, laid out as in [`contact_point`], and of its tangential side, laid out as in
-    /// [`tangent_point`], with the coefficient of friction, if it has friction.
+    /// [`tangent_point`], with the coefficient of friction, if it has friction, in a motion of this `extent`.
     pub(super) fn observe(
         &mut self,
         point: &[f64],
         friction: Option<(&[f64], f64)>,
         instant: Instant<'_>,
+        extent: &Extent,
     ) {
-        let gap = point[contact_point::GAP];
         self.longest = self.longest.max(instant.moment);
-        self.lowest = self.lowest.min(gap);
-        self.highest = self.highest.max(gap);
         let normal = &point[contact_point::NORMAL..][..instant.q.len()];
         let curvature = point[contact_point::CURVATURE].abs();
-        let terms = instant.velocity_terms(normal) + instant.moment * curvature;
-        self.normal_velocity = self.normal_velocity.max(terms);
+        // What accelerations add in the moment, to a motion from rest as well.
+        let moment = instant.moment;
+        let pull = instant.acceleration_terms(normal) + curvature;
+        let terms = extent.velocities(normal) + moment * pull;
+        self.range = extent.ways(normal);
+        self.normal_velocity = terms;
         if let Some((tangent, mu)) = friction {
             let along = &tangent[tangent_point::TANGENT..][..instant.q.len()];
             // Ground that moves is a term of its own.
             let sliding = tangent[tangent_point::SLIDING_VELOCITY].abs();
+            let pulled = moment * instant.acceleration_terms(along);
+            let terms = (extent.velocities(along) + pulled).max(sliding);
             // Where nothing pulls along the surface, what friction could do there is the measure.
-            let slowed = mu * (instant.acceleration_terms(normal) + curvature);
-            let terms = instant
-                .velocity_terms(along)
-                .max(sliding)
-                .max(instant.moment * slowed);
-            self.sliding_velocity = self.sliding_velocity.max(terms);
+            self.sliding_velocity = terms.max(moment * mu * pull);
         }
-        let position: f64 = normal
-            .iter()
-            .zip(instant.q)
-            .map(|(n, q)| (n * q).abs())
-            .sum();
-        let way = instant.moment * self.normal_velocity;
+        let position = extent.places(normal);
+        let way = moment * terms;
         let ground = instant.way_of_ground(normal, point[contact_point::NORMAL_VELOCITY]);
         self.rounding = f64::EPSILON * (position + way + ground);
         // The normal turns while the motion covers the rounding error of the coordinates.
@@ -163,19 +134,19 @@ impl ContactScale {
         self.rounding = self.rounding.max(error);
     }
 
-    /// Range of the values of the gap so far.
+    /// By how much the way of the motion has changed the gap.
     pub(super) fn range(&self) -> f64 {
-        (self.highest - self.lowest).max(0.0)
+        self.range
     }
 
     /// Below this gap the contact is closed.
     pub(super) fn closed_gap(&self) -> f64 {
-        (CLOSED_GAP * self.range()).max(ROUNDINGS * self.rounding)
+        (CLOSED_GAP * self.range).max(ROUNDINGS * self.rounding)
     }
 
     /// Flights lower than this are none.
     pub(super) fn lowest_flight(&self) -> f64 {
-        (LOWEST_FLIGHT * self.range()).max(self.rounding)
+        (LOWEST_FLIGHT * self.range).max(self.rounding)
     }
 
     /// Rounding error of the gap.
@@ -203,7 +174,17 @@ impl ContactScale {
         self.sliding_velocity = self.sliding_velocity.max(terms);
     }
 
-    /// Largest terms of the sliding velocity so far.
+    /// Longest moment so far \[s\].
+    pub(super) fn longest(&self) -> f64 {
+        self.longest
+    }
+
+    /// Size of the terms of the normal velocity.
+    pub(super) fn normal_velocity(&self) -> f64 {
+        self.normal_velocity
+    }
+
+    /// Size of the terms of the sliding velocity.
     pub(super) fn sliding_velocity(&self) -> f64 {
         self.sliding_velocity
     }

@@ -1,9 +1,9 @@
 //! Steps in which something acts that their stages do not show.
 
 use crate::simulation::event::dop853::{Dop853, System};
-use crate::simulation::event::dynamics::Dynamics;
+use crate::simulation::event::dynamics::{Dynamics, Switch};
 use crate::simulation::event::error_scale::ErrorScale;
-use crate::simulation::hidden_force::largest_share;
+use crate::simulation::hidden_force;
 
 /// Change of a velocity, as a share of what errors are measured by, above which it counts: a tenth of what a run promises.
 const COUNTS: f64 = 1e-7;
@@ -24,11 +24,22 @@ pub(super) fn acts(
 ) -> bool {
     let n = dynamics.n;
     let (mut state, mut slope) = (vec![0.0; 2 * n + 1], vec![0.0; 2 * n + 1]);
-    let at = |place: f64, acceleration: &mut [f64]| {
+    let functions = 0..dynamics.functions();
+    let may_vanish = |&function: &usize| match dynamics.switch(function) {
+        // That of dry friction is given.
+        Switch::NormalForce(i) => !dynamics.is_dry(i),
+        switch => switch.is_force(),
+    };
+    let functions: Vec<usize> = functions.filter(may_vanish).collect();
+    let at = |place: f64, values: &mut [f64]| {
         method.interpolate(place, &mut state[..2 * n]);
         dynamics.derivative(t + place * h, &state, &mut slope);
-        acceleration.copy_from_slice(&slope[n..2 * n]);
+        values[..n].copy_from_slice(&slope[n..2 * n]);
+        for (value, &function) in values[n..].iter_mut().zip(&functions) {
+            *value = dynamics.switching.values[function];
+        }
     };
-    let share = largest_share(parts, n, h, at, |k| scale.allowed(n + k, h, 1.0));
-    share > COUNTS.max(BESIDE_TOLERANCE * tolerance)
+    let most = COUNTS.max(BESIDE_TOLERANCE * tolerance);
+    let most = |k| most * scale.allowed(n + k, h, 1.0);
+    hidden_force::acts(parts, (n, functions.len()), h, at, most)
 }

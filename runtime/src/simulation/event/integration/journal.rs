@@ -5,7 +5,7 @@ use super::super::dynamics::Dynamics;
 use super::super::search::EventSearch;
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
-use crate::simulation::{Event, EventKind, Residuals, Simulation, SimulationStatus, accumulation};
+use crate::simulation::{Event, EventKind, Simulation, SimulationStatus, accumulation};
 
 /// The motion of a run with its events, and how many of these there were, listed or not.
 pub(super) struct Journal {
@@ -60,13 +60,6 @@ impl Journal {
         Ok(())
     }
 
-    /// Keeps the largest violations.
-    pub(super) fn keep(&mut self, measured: Residuals) {
-        let residuals = &mut self.result.residuals;
-        residuals.primal = residuals.primal.max(measured.primal);
-        residuals.complementarity = residuals.complementarity.max(measured.complementarity);
-    }
-
     /// The result of a run that has ended, for that reason if it was not to the end.
     pub(super) fn closed(
         self,
@@ -75,7 +68,7 @@ impl Journal {
     ) -> Simulation {
         let events = self.events();
         let mut result = self.result;
-        result.residuals.dual = checks.audit.largest;
+        result.residuals = checks.verdict.residuals;
         result.notes = checks.remarks.notes(dynamics.model.declaration());
         let interpolated = search.interpolated.iter();
         let interpolated = interpolated.map(|function| function.name(dynamics.model));
@@ -86,7 +79,7 @@ impl Journal {
             .extend(explicit_time.and_then(ExplicitTime::note));
         result.counts.evaluations = dynamics.evaluations;
         result.counts.events = events;
-        if let Some(status) = ended.or_else(|| checks.audit.verdict()) {
+        if let Some(status) = ended.or_else(|| checks.verdict.status(dynamics.model)) {
             result.status = status;
         }
         result

@@ -1,10 +1,10 @@
 //! What tells how long steps may be, and how many there are: how accelerations change, and what rounding leaves of the errors of steps.
 
 use super::outputs::Outputs;
-use crate::simulation::Residuals;
 use crate::simulation::event::dop853::System;
 use crate::simulation::event::dynamics::{Dynamics, motion};
 use crate::simulation::event::error_scale::ErrorScale;
+use crate::simulation::verdict::Verdict;
 
 /// Power of the length of a step with which errors of steps fall much faster.
 const SLOWLY: i32 = 3;
@@ -44,8 +44,8 @@ pub(super) struct StepEnds {
     /// Values of the switching functions.
     pub(super) start_values: Vec<f64>,
     pub(super) end_values: Vec<f64>,
-    /// Residuals at the end of the last step, which count unless it turns out to contain an event.
-    pub(super) at_end: Residuals,
+    /// Conditions at the end of the last step, which count unless it turns out to contain an event.
+    pub(super) at_end: Verdict,
     /// Sign of the determinant of the equations of the mode.
     pub(super) orientation: f64,
     pub(super) rejected: Rejected,
