@@ -603,6 +603,13 @@ impl<'a> Dynamics<'a> {
         self.scales[contact].zero_normal_velocity()
     }
 
+    /// Below this a normal velocity is rounding of a motion that may be elsewhere, as of balls in a row: of what its energy could make of it.
+    pub(in crate::simulation) fn zero_of_energy(&self, contact: usize) -> f64 {
+        let view = &self.view;
+        let response = view.coupling(Line::normal(contact), Line::normal(contact));
+        scales::ZERO_VELOCITY * (2.0 * view.kinetic_energy(self.input()) * response).sqrt()
+    }
+
     /// Sizes of the gap, the normal and the sliding velocity of a contact that is held: at least of what forces like the present ones
     /// could make of them in the longest moment.
     pub(in crate::simulation) fn held_sizes(&self, contact: usize) -> [f64; 3] {
