@@ -20,7 +20,7 @@ pub(in crate::simulation) use switch::Switch;
 use std::ops::{Deref, DerefMut};
 
 pub(in crate::simulation) use crate::contact::dot;
-use crate::contact::{ContactState, Direction, Extent, View, stuck};
+use crate::contact::{ContactState, Direction, Extent, Line, View, stuck};
 use crate::enclosure::Bounds;
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
