@@ -134,7 +134,9 @@ pub(crate) fn bring_to_rest(view: &mut View<'_>, listed: &[usize], x: &mut [f64]
     if !shares::are_independent(view, &normals) {
         return;
     }
-    if hold(view, &normals, &mut x[n..2 * n]).is_err() {
+    // What rubs is held once it is known how it slides.
+    let rubs = listed.iter().any(|&i| view.has_friction(i));
+    if !rubs && hold(view, &normals, &mut x[n..2 * n]).is_err() {
         return;
     }
     let q = x[..n].to_vec();

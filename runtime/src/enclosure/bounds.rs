@@ -89,13 +89,13 @@ impl<'a> Bounds<'a> {
         let mut counts = Vec::with_capacity(tape.operations.len());
         for &operation in tape.operations {
             let at = |part: u32| counts[part as usize];
-            let moves = |part: u32| at(part) > 0.0;
-            let count = factors(operation, at);
+            let moves = |part: u32| Factors::moves(&at(part));
+            let count = Factors::of(operation, counts.len(), at);
             let hides = match operation {
                 Operation::Divide(_, a) => moves(a),
                 Operation::Call(called, a) => moves(a) && !is_the_same_everywhere(called),
-                Operation::Call2(..) => count > 0.0,
-                _ => count > FACTORS,
+                Operation::Call2(..) => count.moves(),
+                _ => count.most > FACTORS,
             };
             if hides {
                 return true;
@@ -120,7 +120,7 @@ impl<'a> Bounds<'a> {
         let tape = self.model.tape(function);
         let operations = tape.map_or(&[][..], |tape| tape.operations);
         let mut sized = Vec::new();
-        let mut counts = Vec::with_capacity(operations.len());
+        let mut counts: Vec<Factors> = Vec::with_capacity(operations.len());
         for &operation in operations {
             let at = |part: u32| self.values[part as usize];
             let calm = match operation {
@@ -143,7 +143,7 @@ impl<'a> Bounds<'a> {
             }
             counts.push(self.factors_over(operation, &counts));
         }
-        let steep = |&k: &usize| counts[self.outputs[k] as usize] > FACTORS;
+        let steep = |&k: &usize| counts[self.outputs[k] as usize].most > FACTORS;
         let steep = (0..self.outputs.len()).filter(steep);
         let steep: Vec<(usize, f64)> = steep.map(|k| (k, self.output(k).size().high)).collect();
         if part == [0.0, 1.0] {
@@ -152,24 +152,25 @@ impl<'a> Bounds<'a> {
         self.are_nothing(function, &steep, &input) && self.are_steady(function, &sized, part, input)
     }
 
-    /// How many factors a value over a part is a product of, as [`factors`] counts them, where one that changes by a share of itself counts
-    /// as that share of all that stages tell, and of a sum terms do not count that are nothing beside others.
-    fn factors_over(&self, operation: Operation, counts: &[f64]) -> f64 {
+    /// [`Factors`] of a value over a part, where one that changes by a share of itself counts as that share of all that stages tell, and of
+    /// a sum terms do not count that are nothing beside others.
+    fn factors_over(&self, operation: Operation, counts: &[Factors]) -> Factors {
         let at = |part: u32| self.values[part as usize];
         let count = |part: u32| counts[part as usize];
-        let told = |part: u32| match count(part) {
-            count if count > FACTORS => count,
-            count => count.min(FACTORS * at(part).change()),
-        };
+        let told = |part: u32| count(part).at_most(FACTORS * at(part).change());
         let is_nothing = |a: u32, b: u32| at(a).size().high <= NOTHING * at(b).size().low;
+        let place = counts.len();
+        let own = Factors::of(operation, place, count);
         match operation {
-            Operation::Call(Function::Sin | Function::Cos, a) => count(a).max(at(a).width()),
-            Operation::Call2(Function2::Power, a, b) => at(b).size().high * told(a),
-            _ if factors(operation, count) <= FACTORS => factors(operation, count),
+            Operation::Call(Function::Sin | Function::Cos, a) => own.at_least(at(a).width()),
+            Operation::Call2(Function2::Power, a, b) => {
+                Factors::equal(at(b).size().high * told(a).equal, place)
+            }
+            _ if own.most <= FACTORS => own,
             Operation::Add(a, b) | Operation::Subtract(a, b) if is_nothing(a, b) => count(b),
             Operation::Add(a, b) | Operation::Subtract(a, b) if is_nothing(b, a) => count(a),
-            Operation::Multiply(..) | Operation::Divide(..) => factors(operation, told),
-            _ => factors(operation, count),
+            Operation::Multiply(..) | Operation::Divide(..) => Factors::of(operation, place, told),
+            _ => own,
         }
     }
 
@@ -281,20 +282,73 @@ impl<'a> Bounds<'a> {
     }
 }
 
-/// How many equal factors that vary an operation is a product of, by those of its operands `at` their places: one more where they may be
-/// others.
-fn factors(operation: Operation, at: impl Fn(u32) -> f64) -> f64 {
-    match operation {
-        Operation::Given(Source::Parameter(_) | Source::Constant(_)) => 0.0,
-        Operation::Given(Source::Input(_) | Source::Weight(_)) => 1.0,
-        Operation::Multiply(a, b) if a == b => 2.0 * at(a),
-        Operation::Multiply(a, b) if at(a) > 0.0 && at(b) > 0.0 => at(a).max(at(b)) + 1.0,
-        Operation::Add(a, b)
-        | Operation::Subtract(a, b)
-        | Operation::Multiply(a, b)
-        | Operation::Divide(a, b)
-        | Operation::Call2(_, a, b) => at(a).max(at(b)),
-        Operation::Negate(a) | Operation::Root(a) | Operation::Call(_, a) => at(a),
+/// What a value is a product of.
+#[derive(Debug, Clone, Copy)]
+struct Factors {
+    /// Equal factors that vary, and which one: a sum is one factor.
+    equal: f64,
+    base: usize,
+    /// Most equal factors of what it is made of; 0 where it does not vary.
+    most: f64,
+}
+
+impl Factors {
+    fn equal(equal: f64, base: usize) -> Self {
+        let most = equal;
+        Self { equal, base, most }
+    }
+
+    /// Of the operation at a `place`, by those of its operands `at` theirs.
+    fn of(operation: Operation, place: usize, at: impl Fn(u32) -> Self) -> Self {
+        let (equal, base, [a, b]) = match operation {
+            Operation::Given(Source::Parameter(_) | Source::Constant(_)) => {
+                return Self::equal(0.0, place);
+            }
+            Operation::Given(Source::Input(_) | Source::Weight(_)) => {
+                return Self::equal(1.0, place);
+            }
+            Operation::Negate(a) | Operation::Root(a) => return at(a),
+            Operation::Multiply(a, b) | Operation::Divide(a, b) if !at(b).moves() => return at(a),
+            Operation::Multiply(a, b) if !at(a).moves() => return at(b),
+            Operation::Multiply(a, b) if at(a).base == at(b).base => {
+                (at(a).equal + at(b).equal, at(a).base, [a, b])
+            }
+            Operation::Multiply(a, b) => (at(a).equal.max(at(b).equal), place, [a, b]),
+            Operation::Call(_, a) => (1.0, place, [a, a]),
+            Operation::Add(a, b)
+            | Operation::Subtract(a, b)
+            | Operation::Divide(a, b)
+            | Operation::Call2(_, a, b) => (1.0, place, [a, b]),
+        };
+        let of_parts = at(a).most.max(at(b).most);
+        let equal = if of_parts > 0.0 { equal } else { 0.0 };
+        let most = of_parts.max(equal);
+        Self { equal, base, most }
+    }
+
+    fn moves(&self) -> bool {
+        self.most > 0.0
+    }
+
+    /// The same where its factors are as good as `told`; more of them than stages tell stay.
+    fn at_most(self, told: f64) -> Self {
+        let less = |count: f64| {
+            if count > FACTORS {
+                count
+            } else {
+                count.min(told)
+            }
+        };
+        Self {
+            equal: less(self.equal),
+            most: less(self.most),
+            ..self
+        }
+    }
+
+    fn at_least(self, most: f64) -> Self {
+        let most = self.most.max(most);
+        Self { most, ..self }
     }
 }
 

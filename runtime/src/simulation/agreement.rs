@@ -54,7 +54,7 @@ impl Comparison {
         let known = [
             (difference(coarser, finer, &sizes), By::Runs),
             (finer.error_estimate.unwrap_or(0.0), By::Steps),
-            (of_flights(finer, model, &problem.q), By::Flights),
+            (of_flights(finer, model, &sizes), By::Flights),
         ];
         let [first, others @ ..] = known;
         let larger =
@@ -126,21 +126,6 @@ struct Sizes {
 }
 
 impl Sizes {
-    /// The motion of a run from `start` alone, which may be none.
-    fn moved(run: &Simulation, start: &[f64]) -> Self {
-        let (mut way, mut speed) = (vec![0.0_f64; start.len()], vec![0.0_f64; start.len()]);
-        for (q, v) in run.trajectory.q.iter().zip(&run.trajectory.v) {
-            for (k, start) in start.iter().enumerate() {
-                way[k] = way[k].max((q[k] - start).abs());
-                speed[k] = speed[k].max(v[k].abs());
-            }
-        }
-        Self {
-            way: of_unit(run, &way),
-            speed: of_unit(run, &speed),
-        }
-    }
-
     /// Of the motion of a run with a trajectory.
     fn of(run: &Simulation, model: &dyn Model, problem: &InitialValueProblem) -> Self {
         let (n, horizon, start) = (problem.q.len(), problem.horizon, problem.input(model));
@@ -155,12 +140,14 @@ impl Sizes {
             |(q, a): (&f64, &f64)| (ROUNDING * q.abs()).max(HELD * a.abs() * horizon.powi(2));
         let mut way: Vec<f64> = problem.q.iter().zip(&free).map(held).collect();
         let mut speed: Vec<f64> = way.iter().map(|way| way / horizon).collect();
-        let moved = Self::moved(run, &problem.q);
-        for k in 0..n {
-            (way[k], speed[k]) = (way[k].max(moved.way[k]), speed[k].max(moved.speed[k]));
+        let mut energy = 0.0_f64;
+        for (q, v) in run.trajectory.q.iter().zip(&run.trajectory.v) {
+            for k in 0..n {
+                way[k] = way[k].max((q[k] - problem.q[k]).abs());
+                speed[k] = speed[k].max(v[k].abs());
+            }
+            energy = energy.max(squared(&mass, v));
         }
-        let velocities = run.trajectory.v.iter();
-        let energy = velocities.fold(0.0_f64, |most, v| most.max(squared(&mass, v)));
         let (mut way, mut speed) = (of_unit(run, &way), of_unit(run, &speed));
         let places: Vec<f64> = problem.q.iter().map(|q| q.abs()).collect();
         for (k, place) in of_unit(run, &places).into_iter().enumerate() {
@@ -235,8 +222,7 @@ fn difference(a: &Simulation, b: &Simulation, sizes: &Sizes) -> f64 {
 
 /// What rounding leaves at the end of a run with many impacts: each flight adds to the error of the velocities, of which an impact keeps
 /// the share that its restitution does, and all of them go on with it.
-fn of_flights(run: &Simulation, model: &dyn Model, start: &[f64]) -> f64 {
-    let sizes = Sizes::moved(run, start);
+fn of_flights(run: &Simulation, model: &dyn Model, sizes: &Sizes) -> f64 {
     let listed = run.events.len().max(1) as f64;
     let added = OF_FLIGHT * (run.counts.events as f64 / listed).max(1.0);
     let n = sizes.way.len();

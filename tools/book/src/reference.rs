@@ -107,6 +107,7 @@ const DOCUMENTS: [Part; 14] = [
             "Excess",
             "Margin",
             "RelaxedReport",
+            "WordCounts",
         ],
     ),
     part(

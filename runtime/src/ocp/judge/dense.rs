@@ -12,6 +12,13 @@ use crate::simulation::Simulation;
 /// Share of a motion below which two of its instants are one.
 const SAME_TIME: f64 = 1e-12;
 
+/// Share of a motion up to which a step is too short to be looked into: velocities are differences there. Follows: rounding over that share
+/// is a millionth.
+const SHORTEST: f64 = 1e-9;
+
+/// Least ratio of two neighbouring steps that are interpolated together. Chosen: ten times less than steps of an integrator grow at once.
+const APART: f64 = 0.01;
+
 /// A re-simulation under the controls of a plan.
 pub(super) struct Dense<'a> {
     model: &'a dyn Model,
@@ -58,11 +65,10 @@ impl<'a> Dense<'a> {
             if k + 1 < times.len() && !is_break(times[k]) {
                 continue;
             }
-            let chosen = |i: &usize| (i - first).is_multiple_of(one_in) || *i == k;
-            let piece: Vec<usize> = (first..=k).filter(chosen).collect();
+            let piece = self.apart((first..k).step_by(one_in).chain([k]).collect());
             for step in 0..piece.len() - 1 {
                 let (from, to) = (times[piece[step]], times[piece[step + 1]]);
-                if !same(from, to) {
+                if to - from > SHORTEST * self.horizon {
                     let first = step.saturating_sub(usize::from(step + 2 >= piece.len()));
                     let near = piece[first..(first + 3).min(piece.len())].to_vec();
                     steps.push(Step { from, to, near });
@@ -71,6 +77,24 @@ impl<'a> Dense<'a> {
             first = k;
         }
         steps
+    }
+
+    /// The instants of a piece without those within it that are much nearer to the one before or behind than to the other: differences of
+    /// these are rounding.
+    fn apart(&self, piece: Vec<usize>) -> Vec<usize> {
+        let times = &self.replay.trajectory.time;
+        let mut kept: Vec<usize> = Vec::with_capacity(piece.len());
+        for (place, &k) in piece.iter().enumerate() {
+            let is_apart = match (kept.last(), piece.get(place + 1)) {
+                (Some(&before), Some(&behind)) => {
+                    let gaps = [times[k] - times[before], times[behind] - times[k]];
+                    gaps[0] > APART * gaps[1] && gaps[1] > APART * gaps[0]
+                }
+                _ => true,
+            };
+            kept.extend(is_apart.then_some(k));
+        }
+        kept
     }
 
     /// When something happens \[s\].

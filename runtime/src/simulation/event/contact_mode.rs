@@ -82,7 +82,7 @@ pub(in crate::simulation) fn change(
         let selected = select(dynamics, probe, t, y, resting, vanished, outlook);
         dynamics.leave_gaps(false);
         selected?;
-        if !motion::project(dynamics, t, y) {
+        if !motion::settle(dynamics, t, y) {
             return undetermined(
                 dynamics,
                 "the state cannot be moved onto the surfaces in contact: their normals are dependent",

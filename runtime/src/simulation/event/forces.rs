@@ -45,8 +45,11 @@ impl Forces {
             if !dynamics.is_dry(i) {
                 let sizes = (dynamics.closed_gap(i), range);
                 verdict.vanishes(("the gap", i), gap, sizes);
-                let sizes = (dynamics.zero_normal_velocity(i), normal);
-                verdict.vanishes(("the normal velocity", i), velocity, sizes);
+                let mut zero = dynamics.zero_normal_velocity(i);
+                if velocity.abs() > zero {
+                    zero = zero.max(dynamics.zero_of_energy(i));
+                }
+                verdict.vanishes(("the normal velocity", i), velocity, (zero, normal));
             }
         }
     }

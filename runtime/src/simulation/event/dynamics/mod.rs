@@ -20,7 +20,7 @@ pub(in crate::simulation) use switch::Switch;
 use std::ops::{Deref, DerefMut};
 
 pub(in crate::simulation) use crate::contact::dot;
-use crate::contact::{ContactState, Direction, Extent, View, stuck};
+use crate::contact::{ContactState, Direction, Extent, Line, View, stuck};
 use crate::enclosure::Bounds;
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
@@ -601,6 +601,13 @@ impl<'a> Dynamics<'a> {
     /// Below this normal velocity a contact is at rest.
     pub(in crate::simulation) fn zero_normal_velocity(&self, contact: usize) -> f64 {
         self.scales[contact].zero_normal_velocity()
+    }
+
+    /// Below this a normal velocity is rounding of a motion that may be elsewhere, as of balls in a row: of what its energy could make of it.
+    pub(in crate::simulation) fn zero_of_energy(&self, contact: usize) -> f64 {
+        let view = &self.view;
+        let response = view.coupling(Line::normal(contact), Line::normal(contact));
+        scales::ZERO_VELOCITY * (2.0 * view.kinetic_energy(self.input()) * response).sqrt()
     }
 
     /// Sizes of the gap, the normal and the sliding velocity of a contact that is held: at least of what forces like the present ones

@@ -40,6 +40,15 @@ fn depends(dynamics: &Dynamics<'_>, line: Line) -> bool {
 ///
 /// Before that, in the metric of the mass matrix, onto the joints, which contacts leave as they are.
 pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mut [f64]) -> bool {
+    hold(dynamics, t, y, false)
+}
+
+/// The same at an event: a flight too low to be told apart would end with an impact, whose friction is that of what slides.
+pub(in crate::simulation) fn settle(dynamics: &mut Dynamics<'_>, t: f64, y: &mut [f64]) -> bool {
+    hold(dynamics, t, y, true)
+}
+
+fn hold(dynamics: &mut Dynamics<'_>, t: f64, y: &mut [f64], friction: bool) -> bool {
     if !project_on_joints(dynamics, t, y) {
         return false;
     }
@@ -86,7 +95,7 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
         dynamics.equations.right[normals + slot] = -dynamics.velocity(held);
     }
     let rows = normals + dynamics.mode.sticking.len();
-    if rows::solve_rows(dynamics, rows, false).is_none() {
+    if rows::solve_rows(dynamics, rows, friction).is_none() {
         return false;
     }
     rows::push(dynamics, &mut y[n..2 * n]);

@@ -9,7 +9,7 @@ use crate::model::{contact_point, tangent_point};
 /// instant do so up to the errors of integration.
 const CLOSED_GAP: f64 = 1e-12;
 /// Velocities below this share of the largest terms they have been sums of are zero.
-const ZERO_VELOCITY: f64 = 1e-12;
+pub(super) const ZERO_VELOCITY: f64 = 1e-12;
 /// Normal velocities below this multiple of what rounding of the place leaves of them are zero.
 const TURNS: f64 = 4.0;
 /// A flight lower than this share of the range of the gap is none. It ends the geometric sequence of impacts of,
