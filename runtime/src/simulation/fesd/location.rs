@@ -4,6 +4,7 @@ use super::driver::Driver;
 use super::stop::Stop;
 use super::switch::{Function, Switch, SwitchKind};
 use crate::contact::ActiveContact;
+use crate::fesd::contact_size::ContactSize;
 use crate::fesd::finite_element::newton;
 use crate::simulation::along::{LEAPS, LEAST_LEAP};
 
@@ -135,6 +136,11 @@ fn locate_one(
     let mut previous: Option<(f64, f64)> = None;
     let mut largest = driver.now.gaps[switch.function.contact].abs();
     let (mut passed, mut leapt) = (false, false);
+    if switch.function.kind == SwitchKind::Stopping {
+        // Beside a pole sizes are those of the pole.
+        switch_condition(driver, switch.function, 0.0, 0)?;
+    }
+    let at_start = driver.now.size(switch.function.contact);
     for _ in 0..MAX_LOCATIONS {
         let value = switch_condition(driver, switch.function, length, count)?;
         if previous.is_none() && value.is_finite() {
@@ -158,7 +164,12 @@ fn locate_one(
         let tolerance = 2.0 * f64::EPSILON * begin.max(length * count as f64);
         let closed = after - before <= tolerance;
         if value == 0.0 || closed || !leapt && step.abs() <= tolerance {
-            if !leaps(driver, switch.function, (value, largest), longest) {
+            if !leaps(
+                driver,
+                switch.function,
+                (value, largest),
+                (longest, at_start),
+            ) {
                 return Ok(());
             }
             match switch.function.kind {
@@ -187,12 +198,12 @@ fn locate_one(
 }
 
 /// Whether the function of a switch, of which its place has left this `value`, has changed its sign without passing zero; before it was
-/// as large as `largest`.
+/// as large as `largest`, and its sizes were those `at_start`.
 fn leaps(
     driver: &Driver<'_>,
     function: Function,
     (value, largest): (f64, f64),
-    longest: f64,
+    (longest, at_start): (f64, ContactSize),
 ) -> bool {
     match function.kind {
         SwitchKind::Exit | SwitchKind::Slipping => {
@@ -206,8 +217,7 @@ fn leaps(
         }
         // Where a condition jumps it is another one; beside a pole its function is more than ever.
         SwitchKind::Stopping if driver.now.contacts.switch_of(function.contact).is_some() => {
-            let size = driver.now.size(function.contact);
-            let least = size.sliding_speed().max(size.crossed_rest());
+            let least = at_start.sliding_speed().max(at_start.crossed_rest());
             value.abs() > least.max(LEAPS * largest)
         }
         // After a release the condition is a velocity, which may jump.
