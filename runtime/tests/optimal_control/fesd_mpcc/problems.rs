@@ -59,7 +59,7 @@ pub(crate) fn cases() -> Vec<Case> {
 
 /// Steps of the ski jump and the pump track.
 fn published_scenes() -> Vec<Case> {
-    use Scheme::{GaussLegendre as Gauss, RadauIia as Radau};
+    use Scheme::RadauIia as Radau;
     let table = |y: f64| (((-0.0001524 * y - 0.002149) * y + 0.4162) * y - 9.154) * y + 99.15;
     let y = 10.2759;
     let link = 0.4368;
