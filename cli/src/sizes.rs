@@ -74,7 +74,6 @@ impl Sizes {
         let rows = self.formulations.iter().map(|formulation| {
             let mut row = vec![formulation.formulation.clone()];
             row.extend(numbers(formulation.size()));
-            row.push(operations(formulation).to_string());
             row
         });
         text += &table(
@@ -86,11 +85,10 @@ impl Sizes {
                 "pairs",
                 "Jacobian",
                 "Hessian",
-                "operations",
             ],
             rows,
         );
-        text += "  Jacobian, Hessian: structural nonzeros; operations: one call of each kernel that is read\n";
+        text += "  Jacobian, Hessian: structural nonzeros\n";
         for (name, why) in &self.refused {
             let _ = writeln!(text, "\n{name}: not for this scene: {why}");
         }
@@ -242,12 +240,6 @@ fn numbers(size: ProblemSize) -> [String; 6] {
     .map(|number| number.to_string())
 }
 
-/// Operations of one call of each kernel.
-fn operations(formulation: &FormulationSize) -> usize {
-    let kernels = formulation.kernels.iter();
-    kernels.map(|kernel| kernel.operations).sum()
-}
-
 /// The entries of formulations, with what each group of variables and equations is there for.
 fn formulations(list: &[FormulationSize]) -> Vec<Object> {
     let entry = |known: &FormulationSize| {
@@ -255,14 +247,11 @@ fn formulations(list: &[FormulationSize]) -> Vec<Object> {
             let object = Object::default().with("group", group.name);
             object.with("why", group.why).with("size", group.size)
         });
-        let kernels = known.kernels.iter().map(|kernel| kernel.name);
         Object::default()
             .with("formulation", &known.formulation)
             .with("discretization", &known.discretization)
             .with("size", known.size())
-            .with("operations", operations(known))
             .with("groups", groups.collect::<Vec<_>>())
-            .with("kernels", kernels.collect::<Vec<_>>())
     };
     list.iter().map(entry).collect()
 }

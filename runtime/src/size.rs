@@ -5,8 +5,6 @@ use std::collections::BTreeMap;
 use hangtime_solver::ProblemSize;
 use hangtime_solver::nlp::NlpProblem;
 
-use crate::model::{Declaration, Kernel};
-
 /// What variables, equations and derivatives are there for, from what every motion has to what few scenes ask for. An
 /// entry of a Jacobian or Hessian belongs to the later one of the two that it joins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -122,8 +120,6 @@ pub struct FormulationSize {
     pub discretization: String,
     /// Its groups, none of them empty, from what every motion has to what few scenes ask for.
     pub groups: Vec<SizeGroup>,
-    /// The kernels of the model that it calls.
-    pub kernels: Vec<&'static Kernel>,
 }
 
 impl FormulationSize {
@@ -209,27 +205,4 @@ pub(crate) fn groups_of(
         }
     }
     tally.groups()
-}
-
-/// The kernels whose names begin with one of `prefixes`, with those of second derivatives if they are asked for.
-pub(crate) fn kernels(
-    declaration: &Declaration,
-    prefixes: &[&str],
-    second_derivatives: bool,
-) -> Vec<&'static Kernel> {
-    let second = [
-        "free_hessian",
-        "contact_hessian_",
-        "tangent_hessian_",
-        "joints_hessian",
-        "path_hessian",
-        "terminal_hessian",
-    ];
-    let kernels = declaration.kernels.iter();
-    kernels
-        .filter(|kernel| {
-            let starts = |prefix: &&str| kernel.name.starts_with(prefix);
-            prefixes.iter().any(starts) && (second_derivatives || !second.iter().any(starts))
-        })
-        .collect()
 }

@@ -9,7 +9,6 @@ use super::global::start_modes::modes_at_start;
 use super::global::time_freezing::TimeFreezing;
 use super::joined::joined;
 use super::motion::candidate::Candidate;
-use super::motion::mode::is_frictional;
 use super::motion::passages::with_passages;
 use super::motion::sequence::Sequence;
 use super::problem::{Problem, bounds};
@@ -20,10 +19,9 @@ use super::search::replay::simulated;
 use super::settings::{Formulation, Settings, TimeFreezingSettings};
 use super::struck::after_impact;
 use super::unknown::with_unknowns;
-use crate::model::{Declaration, Kernel, Model};
+use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::{FormulationSize, InputError};
-use crate::size::kernels;
 
 /// The sizes of the programs that [`solve`](super::solve) makes of a problem under `settings`: the refined
 /// contact-implicit program and the collocation with the contact sequence of the ride without controls, or the program of
@@ -78,20 +76,6 @@ pub fn program_sizes(
     }
 }
 
-/// The kernels of optimal control that a formulation calls.
-fn called(model: &dyn Model, conditions: &[&'static str]) -> Vec<&'static Kernel> {
-    let declaration: &Declaration = model.declaration();
-    let mut prefixes = vec!["free_", "contact_"];
-    if (0..declaration.contacts.len()).any(|contact| is_frictional(model, contact)) {
-        prefixes.push("tangent_");
-    }
-    if declaration.joints.is_some() {
-        prefixes.push("joints");
-    }
-    prefixes.extend(conditions);
-    kernels(declaration, &prefixes, true)
-}
-
 fn time_freezing(
     model: &dyn Model,
     problem: &Problem,
@@ -108,7 +92,6 @@ fn time_freezing(
             settings.elements_of(model)
         ),
         groups: program.groups(),
-        kernels: called(model, &["path_", "terminal_"]),
     })
 }
 
@@ -137,7 +120,6 @@ fn phases(
             problem.intervals
         ),
         groups: groups(&coarse.program, declaration),
-        kernels: called(model, &["path_", "terminal_", "impact_"]),
     };
     let ridden = simulated(setting, &guessed, settings.replay_tolerance)?;
     let sequence = Sequence::without_switches(modes_at_start(setting, &guessed));
@@ -161,7 +143,6 @@ fn phases(
             sequence.switches.len()
         ),
         groups: groups(&fine.program, declaration),
-        kernels: called(model, &["path_", "terminal_", "impact_"]),
     };
     Ok(vec![contact_implicit, collocation])
 }

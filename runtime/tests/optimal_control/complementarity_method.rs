@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "../../benches/fesd_mpcc/problems.rs"]
+#[path = "fesd_mpcc/problems.rs"]
 mod problems;
-#[path = "../../benches/fesd_mpcc/scenes.rs"]
+#[path = "fesd_mpcc/scenes.rs"]
 mod scenes;
 
 use hangtime::model::Model;
@@ -21,7 +21,7 @@ fn solve_steps_certified_in_few_iterations_of_the_homotopy() {
     // as the homotopy, and as simulations by complementarity
     let mut settings = Settings::default();
     settings.second_opinion = false;
-    for case in problems::cases().iter().filter(|case| case.is_step()) {
+    for case in problems::cases().iter() {
         let name = &case.name;
         let mut program = case.program().unwrap();
         let solution = mpcc::solve(&mut program, &settings).unwrap();

@@ -2,7 +2,7 @@
 
 use hangtime::simulation::{Counts, SimulationStatus};
 
-use super::study::{Reference, Study, distance, end, size};
+use super::study::{Reference, Study, distance, reached, size};
 use super::sweep::{SLOPE_POINTS, Sweep};
 use crate::arguments::MethodArguments;
 use crate::bounds::Bounds;
@@ -175,7 +175,7 @@ fn measure(
         Err(error) => return Err(chosen.refuse(&error)),
     };
     let simulation = runs.fastest;
-    let error = end(&simulation).map_or(f64::NAN, |end| distance(&end, reference));
+    let error = reached(&simulation).map_or(f64::NAN, |end| distance(&end, reference));
     let status = match simulation.status {
         SimulationStatus::Interrupted(_) if bounds.asked().is_none() => GIVEN_UP,
         _ => simulation.status.name(),

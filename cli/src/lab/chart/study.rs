@@ -224,12 +224,18 @@ impl Reference {
 
 /// Coordinates and states at the end of a solved run.
 pub(super) fn end(simulation: &Simulation) -> Option<Vec<f64>> {
+    reached(simulation).filter(|_| simulation.status.is_solved())
+}
+
+/// Coordinates and states at the end of a run that has come to its horizon, however accurate it is.
+pub(super) fn reached(simulation: &Simulation) -> Option<Vec<f64>> {
+    use SimulationStatus::{Inaccurate, Solved};
     let trajectory = &simulation.trajectory;
-    let solved = simulation.status == SimulationStatus::Solved;
+    let there = matches!(simulation.status, Solved | Inaccurate(_));
     let (q, v) = (trajectory.q.last()?, trajectory.v.last()?);
     // A state is kept as a velocity.
     let mechanical = simulation.declaration.mechanical();
-    solved.then(|| [&q[..mechanical], &v[mechanical..]].concat())
+    there.then(|| [&q[..mechanical], &v[mechanical..]].concat())
 }
 
 /// Largest coordinate, at least one.

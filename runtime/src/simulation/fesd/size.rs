@@ -2,12 +2,16 @@
 
 use super::settings::{Fesd, StepFormulation};
 use crate::contact::{ActiveContact, ContactState};
-use crate::fesd::finite_element::groups as groups_of_element;
-use crate::model::{Model, friction_coefficients};
+use crate::fesd::finite_element::{FiniteElement, State, groups as groups_of_element};
+use crate::model::{ControlPiece, Model, friction_coefficients};
 use crate::rk::ButcherTableau;
 use crate::simulation::joints::Closed;
 use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
-use crate::size::kernels;
+
+/// How far from the start, relative to a coordinate and at least absolute, and multiples that fill the interval from 0 to 1 evenly. Chosen:
+/// far above rounding.
+const BESIDE: f64 = 1e-3;
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// The sizes of the systems that `method` solves on the way over `problem`: an element in free flight, one for each
 /// contact that holds (and slips or sticks where it rubs), and one where all hold.
@@ -92,27 +96,35 @@ fn elements(
     } else {
         "element"
     };
-    let stages = tableau.stages();
-    let x = problem.input(model);
+    let start = place(problem);
+    let mut controls = ControlPiece::default();
+    controls.set_constant(declaration.controls.iter().map(|_| 0.0));
+    let length = problem.horizon / Fesd::DEFAULT_STEPS as f64;
     let sizes = modes.into_iter().map(|(name, active)| {
-        let mut prefixes = vec!["free_", "gap_", "contact_"];
-        if declaration.joints.is_some() {
-            prefixes.push("joints");
+        let mut element = FiniteElement::new(model, tableau);
+        if numerical {
+            element = element.in_numerical_time(method.auxiliary_acceleration);
         }
-        if active.iter().any(|held| held.state.rubs()) {
-            prefixes.push("tangent_");
-            prefixes.push("across_");
-        }
-        let mut called = kernels(declaration, &prefixes, false);
-        if active.is_empty() {
-            called.retain(|kernel| !kernel.name.starts_with("contact_jacobian_"));
-        }
+        element.set_mode(&active);
         FormulationSize {
             formulation: format!("simulation, {time}, {name}"),
-            discretization: format!("{}, {stages} stages", method.scheme.name()),
-            groups: groups_of_element(model, &active, stages, numerical, &x),
-            kernels: called,
+            discretization: format!("{}, {} stages", method.scheme.name(), tableau.stages()),
+            groups: groups_of_element(&mut element, &start, (length, &controls)),
         }
     });
     sizes.collect()
+}
+
+/// A place beside the start of a problem at which nothing vanishes by chance.
+fn place(problem: &InitialValueProblem) -> State {
+    let beside = |(k, value): (usize, &f64)| {
+        let share = 0.5 + 0.5 * ((k + 1) as f64 * GOLDEN_RATIO).fract();
+        value + BESIDE * share * value.abs().max(1.0)
+    };
+    let all = |values: &[f64]| values.iter().enumerate().map(beside).collect();
+    State {
+        time: BESIDE,
+        q: all(&problem.q),
+        v: all(&problem.v),
+    }
 }

@@ -1,6 +1,6 @@
-//! The problems of the benchmark.
+//! Steps of scenes as problems with complementarity.
 
-use super::scenes::{Ball, Bar, Bowl, PumpTrack, PumpTrackWithoutInput, SkiJump, Waves};
+use super::scenes::{Ball, Bar, Bowl, PumpTrackWithoutInput, SkiJump, Waves};
 use hangtime::model::Model;
 use hangtime::ocp::{Horizon, Problem, TimeFreezing, TimeFreezingSettings};
 use hangtime::rk::Scheme;
@@ -39,34 +39,8 @@ impl Case {
         }
     }
 
-    /// The pump track in least time.
-    fn pump_track(speed: f64, intervals: usize, (scheme, stages): (Scheme, usize)) -> Self {
-        let mut model = PumpTrack::default();
-        let parameters = model.declaration().parameters;
-        if let Some(index) = parameters.iter().position(|known| known.name == "speed") {
-            model.set_parameter(index, speed);
-        }
-        let problem = Problem::of(&model, intervals);
-        let mut settings = TimeFreezingSettings::default();
-        (settings.scheme, settings.stages) = (scheme, stages);
-        Self {
-            name: format!(
-                "pump track, {speed} km/h, {intervals} intervals, {} {stages}",
-                family(scheme)
-            ),
-            model: Box::new(model),
-            problem,
-            settings,
-        }
-    }
-
     pub(crate) fn program(&self) -> Result<TimeFreezing<'_>, InputError> {
         TimeFreezing::new(&*self.model, &self.problem, &self.settings)
-    }
-
-    /// Whether the guess is a simulation.
-    pub(crate) fn is_step(&self) -> bool {
-        self.model.declaration().optimal_control.is_none()
     }
 }
 
@@ -83,9 +57,9 @@ pub(crate) fn cases() -> Vec<Case> {
     cases
 }
 
-/// Steps of the ski jump and the pump track, and the pump track in least time.
+/// Steps of the ski jump and the pump track.
 fn published_scenes() -> Vec<Case> {
-    use Scheme::{GaussLegendre as Gauss, RadauIia as Radau};
+    use Scheme::RadauIia as Radau;
     let table = |y: f64| (((-0.0001524 * y - 0.002149) * y + 0.4162) * y - 9.154) * y + 99.15;
     let y = 10.2759;
     let link = 0.4368;
@@ -139,13 +113,6 @@ fn published_scenes() -> Vec<Case> {
             0.1,
             (Radau, 2, 3),
         ),
-        Case::pump_track(10.0, 10, (Radau, 2)),
-        Case::pump_track(15.0, 10, (Radau, 2)),
-        Case::pump_track(22.0, 10, (Radau, 2)),
-        Case::pump_track(15.0, 10, (Radau, 1)),
-        Case::pump_track(10.0, 10, (Gauss, 2)),
-        Case::pump_track(15.0, 10, (Gauss, 2)),
-        Case::pump_track(22.0, 10, (Gauss, 2)),
     ]
 }
 

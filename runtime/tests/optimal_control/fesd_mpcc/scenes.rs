@@ -1,4 +1,4 @@
-//! The scenes of the benchmark.
+//! The scenes of the steps.
 
 hangtime::model! {
     /// A ball over flat ground.
@@ -59,28 +59,6 @@ hangtime::model! {
         surface rear: z - a*sin(phi) >= 0
         impact front: inelastic
         impact rear: inelastic
-    }
-}
-
-hangtime::model! {
-    /// A bike and its rider on a wavy track.
-    pub(crate) PumpTrack {
-        parameters {
-            m_b: kg = 15, m_r: kg = 75, g: m/s^2 = 9.81, a: m = 0.2, k: 1/m = 2, speed: km/h = 15,
-        }
-        coordinates { y: m, s: m, l: m in 0.27803..=0.59559 }
-        controls { u: N in -108.25..=376.875 }
-        fn track(y) = a*(1 - cos(k*y))
-        let bike = (y, track(y) + s)
-        let rider = (y, track(y) + s + l)
-        lagrangian m_b/2*|dot(bike)|^2 + m_r/2*|dot(rider)|^2 - m_b*g*bike.z - m_r*g*rider.z
-        forces { l: u }
-        surface ground: s >= 0
-        impact ground: inelastic, along (-diff(track)(y), 1, 0)
-        minimize time
-        finally { y == 2*pi*1[m] }
-        start { l: 0.4368 [m], dot(y): speed }
-        horizon 2 [s]
     }
 }
 
