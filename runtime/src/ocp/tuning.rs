@@ -193,6 +193,8 @@ pub(in crate::ocp) mod on_grid {
     /// 353 to 197.
     pub(in crate::ocp) const NEAR: f64 = 0.02;
     pub(in crate::ocp) const SHIFTS: usize = 30;
+    /// Most places of all switches at once that are tried after these. Chosen: all of two, but for those out of order.
+    pub(in crate::ocp) const NEARBY: usize = 24;
     pub(in crate::ocp) const ENTRY: f64 = 0.1;
     /// Most moves of the switches of a word. Chosen.
     pub(in crate::ocp) const MOVES: usize = 8;

@@ -16,7 +16,7 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::tuning::equal::{MET, OPTIMUM};
 use crate::ocp::tuning::on_grid::{
     AT_AN_END, BARRIER, BESIDE_A_JUMP, DEARER, DEARER_ROUNDS, ENTRY, ITERATIONS, JUMP, MOVES, NEAR,
-    NO_NEARER, PRESSES, SHIFTS,
+    NEARBY, NO_NEARER, PRESSES, SHIFTS,
 };
 use crate::rk::ButcherTableau;
 
@@ -101,9 +101,15 @@ impl Grid<'_, '_> {
         let mut best = placed;
         let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
         let bound = timed.merit() + NEAR * timed.merit().abs();
+        let nearby = match runner.settings.uses("near") {
+            true => self.nearby(timed),
+            false => Vec::new(),
+        };
+        let most = SHIFTS + nearby.len();
         'again: while best.is_below || !best.reaches() || best.merit > bound {
-            for (places, times) in self.shifts(&best) {
-                if tried.len() > SHIFTS || runner.stopped() {
+            let shifts = self.shifts(&best).into_iter();
+            for (places, times) in shifts.chain(nearby.iter().cloned()) {
+                if tried.len() > most || runner.stopped() {
                     break 'again;
                 }
                 if tried.contains(&places) || !is_in_order(&places) {
@@ -122,6 +128,33 @@ impl Grid<'_, '_> {
             break;
         }
         best
+    }
+
+    /// Places of all instants, the nearest to the times off the grid first: in their intervals, at the ends of these, and in the next ones.
+    fn nearby(&self, timed: &Timed) -> Vec<(Vec<At>, Vec<f64>)> {
+        let intervals = self.setting.problem.intervals;
+        let horizon = timed.motion.horizon;
+        let count = timed.draft.times.len();
+        let mut all: Vec<Near> = vec![Near::default()];
+        for (index, time) in timed.draft.times.iter().enumerate() {
+            let ends = timed.word().ends_with_impact && index + 1 == count;
+            let time = time / horizon * intervals as f64;
+            let choices = match ends {
+                true => vec![((intervals, Place::Start), time)],
+                false => choices(time, intervals),
+            };
+            let more = all.iter().flat_map(|near| {
+                let choices = choices.iter();
+                choices.filter_map(|(at, to)| near.and(*at, *to, (to - time).abs()))
+            });
+            let mut more: Vec<Near> = more.collect();
+            more.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+            more.truncate(NEARBY);
+            all = more;
+        }
+        all.into_iter()
+            .map(|near| (near.places, near.times))
+            .collect()
     }
 
     /// Single instants an interval earlier and later, and then with all behind them.
@@ -322,6 +355,47 @@ impl Grid<'_, '_> {
     }
 }
 
+/// Places of the first instants, their times in intervals, and how far they are from the times off the grid in all.
+#[derive(Default)]
+struct Near {
+    places: Vec<At>,
+    times: Vec<f64>,
+    distance: f64,
+}
+
+impl Near {
+    /// The same with one more, so far from its time; none where that comes before the last one.
+    fn and(&self, at: At, time: f64, distance: f64) -> Option<Self> {
+        let last = self.places.last();
+        let twice = at.1 == Place::Start && last == Some(&at);
+        (!twice && last.is_none_or(|last| *last <= at)).then(|| Self {
+            places: [&self.places[..], &[at]].concat(),
+            times: [&self.times[..], &[time]].concat(),
+            distance: self.distance + distance,
+        })
+    }
+}
+
+/// Where an instant may be whose time, in intervals, is that.
+fn choices(time: f64, intervals: usize) -> Vec<(At, f64)> {
+    let own = (time.max(0.0) as usize).min(intervals - 1);
+    let inside = |interval: usize| {
+        let begin = interval as f64;
+        let time = time.clamp(begin + ENTRY, begin + 1.0 - ENTRY);
+        ((interval, Place::Inside), time)
+    };
+    let end = |end: usize| ((end, Place::Start), end as f64);
+    let ends = [own, own + 1].into_iter();
+    let ends = ends.filter(|end| (1..intervals).contains(end)).map(end);
+    let next = [own.checked_sub(1), Some(own + 1)].into_iter().flatten();
+    let next = next.filter(|next| *next < intervals).map(inside);
+    [((own, Place::Inside), time)]
+        .into_iter()
+        .chain(ends)
+        .chain(next)
+        .collect()
+}
+
 /// The sequence of a word with its instants at these places; `None` where that is no order.
 fn sequence(word: &Word, places: &[At], times: &[f64], intervals: usize) -> Option<Sequence> {
     let mut switches: Vec<Switch> = Vec::new();
@@ -405,6 +479,30 @@ fn in_order(places: Vec<At>, intervals: usize) -> Vec<At> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_instant_may_be_in_its_interval_at_its_ends_and_in_the_next_ones() {
+        use Place::{Inside, Start};
+        let places = |time| choices(time, 8).into_iter().map(|(at, _)| at);
+        let middle = [
+            (3, Inside),
+            (3, Start),
+            (4, Start),
+            (2, Inside),
+            (4, Inside),
+        ];
+        assert!(places(3.4).eq(middle));
+        // Ends of the motion are no ends at which controls change.
+        assert!(places(0.2).eq([(0, Inside), (1, Start), (1, Inside)]));
+        assert!(places(8.0).eq([(7, Inside), (7, Start), (6, Inside)]));
+        // One instant stays behind the other, and both are not at one end.
+        let near = Near::default().and((3, Start), 3.0, 0.4);
+        let near = near.expect("the first");
+        assert!(near.and((3, Start), 3.0, 0.0).is_none());
+        assert!(near.and((2, Inside), 2.9, 0.0).is_none());
+        let both = near.and((3, Inside), 3.4, 0.1).expect("in order");
+        assert!((both.distance - 0.5).abs() < 1e-12);
+    }
 
     #[test]
     fn places_stay_in_order_and_two_at_an_end_are_at_it_and_after_it() {
