@@ -162,7 +162,10 @@ impl<'a> Bounds<'a> {
         let place = counts.len();
         let own = Factors::of(operation, place, count);
         match operation {
-            Operation::Call(Function::Sin | Function::Cos, a) => own.at_least(at(a).width()),
+            Operation::Call(Function::Sin | Function::Cos, a) => {
+                let most = own.most.max(at(a).width());
+                Factors { most, ..own }
+            }
             Operation::Call2(Function2::Power, a, b) => {
                 Factors::equal(at(b).size().high * told(a).equal, place)
             }
@@ -332,23 +335,12 @@ impl Factors {
 
     /// The same where its factors are as good as `told`; more of them than stages tell stay.
     fn at_most(self, told: f64) -> Self {
-        let less = |count: f64| {
-            if count > FACTORS {
-                count
-            } else {
-                count.min(told)
-            }
-        };
-        Self {
-            equal: less(self.equal),
-            most: less(self.most),
-            ..self
-        }
-    }
-
-    fn at_least(self, most: f64) -> Self {
-        let most = self.most.max(most);
-        Self { most, ..self }
+        let [equal, most] = [self.equal, self.most].map(|count| match count > FACTORS {
+            true => count,
+            false => count.min(told),
+        });
+        let base = self.base;
+        Self { equal, base, most }
     }
 }
 

@@ -2,13 +2,13 @@
 
 /// Base of the units of lengths and of what is measured like them.
 pub(crate) const THOUSAND: f64 = 1e3;
+/// Base of the units of objectives.
+const MILLION: f64 = 1e6;
+const TEN: f64 = 10.0;
 
-/// Largest derivative of an objective in its unit. Measured on 64 scenes of zoo/families: with 1 and with 10 more of them find no plan that is certified.
-const SLOPE: f64 = 3.0;
-
-/// The unit of an objective with derivatives up to `largest`: a power of ten.
-pub(crate) fn objective_unit(largest: f64) -> f64 {
-    nearest_power(10.0, largest / SLOPE)
+/// Size of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller.
+pub(crate) fn objective_size(largest: f64) -> f64 {
+    nearest_power(MILLION, largest).min(nearest_power(TEN, largest))
 }
 
 /// The power of a base nearest to a size; 1 for none.

@@ -21,6 +21,8 @@ fn solve_steps_certified_in_few_iterations_of_the_homotopy() {
     // as the homotopy, and as simulations by complementarity
     let mut settings = Settings::default();
     settings.second_opinion = false;
+    // nothing is asked: the objective is the equilibration alone, whose size means nothing
+    settings.interior_point.objective_unit = Some(1.0);
     for case in problems::cases().iter() {
         let name = &case.name;
         let mut program = case.program().unwrap();
@@ -69,7 +71,9 @@ fn solve_goal_below_the_ground_is_infeasible_with_names() {
     let ball = Buried::default();
     let problem = Problem::of(&ball, 1);
     let mut program = TimeFreezing::new(&ball, &problem, &TimeFreezingSettings::default()).unwrap();
-    let solution = mpcc::solve(&mut program, &Settings::default()).unwrap();
+    let mut settings = Settings::default();
+    settings.interior_point.objective_unit = Some(1.0);
+    let solution = mpcc::solve(&mut program, &settings).unwrap();
     assert_eq!(solution.status, Status::Infeasible);
     let names: Vec<&str> = solution.violations.iter().map(|v| &v.name[..]).collect();
     insta::assert_snapshot!(

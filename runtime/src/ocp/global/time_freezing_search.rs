@@ -113,6 +113,7 @@ pub(in crate::ocp) fn solve_exactly(
     let clock = ThreadTime::try_now();
     let mut program = TimeFreezing::known(model, problem, settings, motion)?;
     let mut interior_point = mpcc::Settings::default().interior_point;
+    interior_point.objective_unit = Some(1.0);
     interior_point.constraint_tolerance = EXACT[0];
     interior_point.initial_barrier_parameter = BARRIER;
     interior_point.bound_push = PUSH * BARRIER;

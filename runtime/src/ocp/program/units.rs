@@ -4,7 +4,8 @@
 //! Controls, times, forces and gap variables are measured by their own size: the range of a control, the guess of the
 //! horizon, the acceleration of a contact at the start. Coordinates, velocities and gaps in rows are measured in the
 //! *power of a thousand* nearest to their size, as a person would choose between millimetres, metres and kilometres:
-//! numbers between 0.03 and 30 stay as they are. The objective is measured in the power of ten nearest to its largest derivative. So a scene in
+//! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a
+//! million, or of ten where that is smaller: a larger unit makes a barrier that is no longer small beside it. So a scene in
 //! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons. Goals keep the numbers that they are
 //! stated in, but for those of motions that are far smaller.
 
