@@ -418,9 +418,12 @@ fn explicit_time_adds_a_variable_where_no_clock_is_known() {
     let timed = Timed::default();
     assert_eq!(added(&timed, FLIGHT, FLIGHT), []);
     assert_eq!(added(&timed, HELD, HELD), []);
-    // Contacts slow the clock, which the force reads, but at the end; the others have the clock anyway.
-    let more = [(CONTACT_FORCE, [0, 0, 0, 0, 30, 0])];
-    assert_eq!(added(&timed, HELD_FROZEN, HELD_FROZEN), more);
+    // Contacts slow the clock, which the force reads, but at the end, where sums vanish up to rounding; the others have the clock anyway.
+    let more = added(&timed, HELD_FROZEN, HELD_FROZEN);
+    assert!(
+        matches!(more[..], [(CONTACT_FORCE, [0, 0, 0, 0, 30..=36, 0])]),
+        "{more:?}"
+    );
     let more = [
         (CLOCK, [0, 0, 0, 0, 72, 36]),
         (ELEMENT_LENGTH, [0, 0, 0, 0, 0, 36]),

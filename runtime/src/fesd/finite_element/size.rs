@@ -5,9 +5,6 @@ use crate::contact::ActiveContact;
 use crate::model::{ControlPiece, Model, surfaces};
 use crate::size::{Purpose, SizeGroup, Tally};
 
-/// Share of the largest entry of a row that is none.
-const ROUNDING: f64 = 1e-12;
-
 /// Purposes of the unknowns of a stage, which are those of its equations: accelerations, forces, corrections.
 fn purposes(element: &FiniteElement<'_>) -> Vec<Purpose> {
     let (n, constraints) = (element.n, &element.constraints);
@@ -71,15 +68,16 @@ pub(crate) fn groups(
         size.equalities += stages;
     }
     let of = |place: usize| purposes[place % purposes.len()];
-    for (row, entries) in element.matrix.chunks(stages * purposes.len()).enumerate() {
-        let largest = entries
-            .iter()
-            .fold(0.0_f64, |most, entry| most.max(entry.abs()));
-        // Sums that vanish leave rounding.
-        let is_one = |(_, entry): &(usize, &f64)| entry.abs() > ROUNDING * largest;
-        for (column, _) in entries.iter().enumerate().filter(is_one) {
-            tally.of(of(row).max(of(column))).jacobian_nonzeros += 1;
-        }
+    let size = stages * purposes.len();
+    for (place, _) in element
+        .matrix
+        .iter()
+        .enumerate()
+        .filter(|(_, entry)| **entry != 0.0)
+    {
+        tally
+            .of(of(place / size).max(of(place % size)))
+            .jacobian_nonzeros += 1;
     }
     let active = element.active().to_vec();
     add_signs(&mut tally, model, &active, stages);
