@@ -6,9 +6,15 @@ pub(crate) const THOUSAND: f64 = 1e3;
 const MILLION: f64 = 1e6;
 const TEN: f64 = 10.0;
 
-/// Size of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller.
+/// How far an objective's unit may be above its slopes: so much larger is the last barrier beside it. Chosen.
+const ABOVE: f64 = 10.0;
+
+/// Unit of an objective with derivatives up to `largest`: a power of a million, or of ten where that is far above them.
 pub(crate) fn objective_size(largest: f64) -> f64 {
-    nearest_power(MILLION, largest).min(nearest_power(TEN, largest))
+    match nearest_power(MILLION, largest) {
+        unit if unit <= ABOVE * largest => unit,
+        _ => nearest_power(TEN, largest),
+    }
 }
 
 /// The power of a base nearest to a size; 1 for none.

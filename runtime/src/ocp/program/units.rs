@@ -5,7 +5,7 @@
 //! horizon, the acceleration of a contact at the start. Coordinates, velocities and gaps in rows are measured in the
 //! *power of a thousand* nearest to their size, as a person would choose between millimetres, metres and kilometres:
 //! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a
-//! million, or of ten where that is smaller: a larger unit makes a barrier that is no longer small beside it. So a scene in
+//! million, or of ten where that is far above its slopes: a larger unit makes a barrier that is no longer small beside it. So a scene in
 //! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons. Goals keep the numbers that they are
 //! stated in, but for those of motions that are far smaller.
 
