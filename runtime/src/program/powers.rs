@@ -3,18 +3,12 @@
 /// Base of the units of lengths and of what is measured like them.
 pub(crate) const THOUSAND: f64 = 1e3;
 /// Base of the units of objectives.
-const MILLION: f64 = 1e6;
+pub(crate) const MILLION: f64 = 1e6;
 const TEN: f64 = 10.0;
 
-/// How far an objective's unit may be above its slopes: so much larger is the last barrier beside it. Chosen.
-const ABOVE: f64 = 10.0;
-
-/// Unit of an objective with derivatives up to `largest`: a power of a million, or of ten where that is far above them.
+/// Size of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller.
 pub(crate) fn objective_size(largest: f64) -> f64 {
-    match nearest_power(MILLION, largest) {
-        unit if unit <= ABOVE * largest => unit,
-        _ => nearest_power(TEN, largest),
-    }
+    nearest_power(MILLION, largest).min(nearest_power(TEN, largest))
 }
 
 /// The power of a base nearest to a size; 1 for none.

@@ -16,6 +16,7 @@ use super::haste::Haste;
 use super::kernel::{Evaluator, Kernel};
 use super::laws::Laws;
 use super::parts::{Block, OBJECTIVE, Rows, Scratch, Terms, Variables, common};
+use super::powers::objective_size;
 use super::terms::{Term, curvatures, product, slopes};
 use crate::model::Model;
 
@@ -28,6 +29,7 @@ pub(crate) struct Program<'a> {
     variables: Variables,
     rows: Rows,
     objective_unit: f64,
+    objective_size: f64,
     /// Variables with a price in the objective, of their physical values.
     penalties: Vec<(usize, f64)>,
     haste: Haste,
@@ -48,6 +50,7 @@ impl<'a> Program<'a> {
             variables: Variables::default(),
             rows: Rows::default(),
             objective_unit: 1.0,
+            objective_size: 1.0,
             penalties: Vec::new(),
             haste: Haste::default(),
             pairs: Vec::new(),
@@ -273,7 +276,7 @@ impl<'a> Program<'a> {
 
     /// Adds so many sizes of the objective for each unit of the final time, 0 for none; call once, after everything else.
     pub(crate) fn hasten(self, horizon: usize, price: f64) -> Self {
-        let haste = Haste::new(horizon, price * self.objective_unit);
+        let haste = Haste::new(horizon, price * self.objective_size);
         Self { haste, ..self }
     }
 
@@ -289,6 +292,11 @@ impl<'a> Program<'a> {
     pub(crate) fn penalty(&self) -> f64 {
         let unit = |&(i, price): &(usize, f64)| price * self.variables.unit[i];
         self.penalties.first().map_or(0.0, unit)
+    }
+
+    /// The power of ten, or of a million if that is smaller, nearest to the largest derivative of the objective.
+    pub(crate) fn objective_size(&self) -> f64 {
+        self.objective_size
     }
 
     /// Declares the pair `0 <= x_i _|_ x_j >= 0`.
@@ -309,6 +317,7 @@ impl<'a> Program<'a> {
         self.gradient(&x, &mut gradient);
         let largest = gradient.iter().fold(0.0, |largest, g| g.abs().max(largest));
         self.objective_unit = unit(largest);
+        self.objective_size = objective_size(largest);
     }
 
     /// What the solver's objective is in units of.
@@ -316,9 +325,10 @@ impl<'a> Program<'a> {
         self.objective_unit
     }
 
-    /// Against what differences of an objective count: what it is, or, where it is next to nothing, its unit.
+    /// Against what differences of an objective count: what it is, or, where it is next to nothing, the power of ten nearest to its largest
+    /// derivative, if that is less than the unit. The unit itself may be a thousand times that.
     pub(crate) fn size_of(&self, objective: f64) -> f64 {
-        objective.abs().max(self.objective_unit)
+        objective.abs().max(self.objective_size)
     }
 
     /// Fixes the patterns and the unit of the objective, by its largest derivative; call once, after everything is added.

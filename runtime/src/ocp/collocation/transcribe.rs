@@ -9,7 +9,6 @@ use super::{impact_map, interval, provided, start_conditions};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::{Frame, Provided};
-use crate::program::powers::objective_size;
 use crate::program::sparse_program::Program;
 
 /// The program of a sequence, started at `guess`, with `elements` of each interval's phases.
@@ -73,7 +72,7 @@ pub(in crate::ocp) fn transcribe<'a>(
     let missed = frame.finish(&mut program, &builder.state, known, setting.elastic);
     Collocation {
         program: program
-            .finish(&frame.controls, objective_size)
+            .finish(&frame.controls, |largest| setting.units.objective(largest))
             .hasten(frame.horizon, setting.haste),
         model,
         sequence: sequence.clone(),

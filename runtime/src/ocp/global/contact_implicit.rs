@@ -40,7 +40,6 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::{Frame, Provided, force_name, state_name};
 use crate::program::joint_rows::Decided;
 use crate::program::kernel::Kernel;
-use crate::program::powers::objective_size;
 use crate::program::sparse_program::Program;
 use crate::simulation::{ContactMode, Direction};
 
@@ -167,7 +166,7 @@ impl<'a> ContactImplicit<'a> {
         frame.finish(&mut program, &before, Provided::Unknown, setting.elastic);
         Self {
             program: program
-                .finish(&frame.controls, objective_size)
+                .finish(&frame.controls, |largest| setting.units.objective(largest))
                 .hasten(frame.horizon, setting.haste),
             horizon: frame.horizon,
             controls: frame.controls,

@@ -4,8 +4,8 @@
 //! Controls, times, forces and gap variables are measured by their own size: the range of a control, the guess of the
 //! horizon, the acceleration of a contact at the start. Coordinates, velocities and gaps in rows are measured in the
 //! *power of a thousand* nearest to their size, as a person would choose between millimetres, metres and kilometres:
-//! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a
-//! million, or of ten where that is far above its slopes: a larger unit makes a barrier that is no longer small beside it. So a scene in
+//! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a million while motions are looked
+//! for; where one is known and has to be exact, in one of ten if that is smaller: a large unit weighs feasibility more. So a scene in
 //! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons. Goals keep the numbers that they are
 //! stated in, but for those of motions that are far smaller.
 
@@ -14,7 +14,7 @@ use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::scale::Scale;
-use crate::program::powers::{THOUSAND, nearest_power};
+use crate::program::powers::{MILLION, THOUSAND, nearest_power, objective_size};
 
 /// Share of what forces at hand can do below which a normal acceleration at the start, or the size of a coordinate, is an error of the guess.
 const ERROR: f64 = 1e-6;
@@ -42,7 +42,7 @@ pub(in crate::ocp) struct Units {
     pub(in crate::ocp) gap_rows: Vec<f64>,
     /// How far goals ask each coordinate to go; 0 where they do not.
     ways: Vec<f64>,
-    /// Whether a motion is known whose own readings are followed.
+    /// Whether the objective is measured as exactly as it can be.
     is_exact: bool,
 }
 
@@ -255,7 +255,7 @@ impl Units {
         velocities.iter().copied().fold(0.0, f64::max).min(1.0)
     }
 
-    /// These units around a motion whose own readings are followed.
+    /// These units with the objective measured as exactly as it can be.
     pub(in crate::ocp) fn exact(self) -> Self {
         let is_exact = true;
         Self { is_exact, ..self }
@@ -264,6 +264,16 @@ impl Units {
     /// Whether it is.
     pub(in crate::ocp) fn is_exact(&self) -> bool {
         self.is_exact
+    }
+
+    /// The unit of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller
+    /// and it has to be exact.
+    pub(in crate::ocp) fn objective(&self, largest: f64) -> f64 {
+        if self.is_exact {
+            objective_size(largest)
+        } else {
+            nearest_power(MILLION, largest)
+        }
     }
 
     /// Whether the controls of a plan are of the size of their units, or small.
@@ -375,7 +385,7 @@ fn set(model: &dyn Model, motion: &Trajectory) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Scale, Units};
+    use super::{Scale, Units, objective_size};
     use crate::model::Model;
     use crate::ocp::motion::control_grid::ControlGrid;
     use crate::ocp::motion::trajectory::Trajectory;
@@ -437,6 +447,33 @@ mod tests {
                 let close = (units.states[2] / unit - 1.0).abs() < 1e-12;
                 assert!(close, "{x} {}", units.states[2]);
             }
+        }
+    }
+
+    #[test]
+    fn objective_of_a_known_motion_is_measured_in_no_larger_unit_and_differences_never_are() {
+        let rough = Units {
+            time: 1.0,
+            controls: Vec::new(),
+            force: Vec::new(),
+            gap: Vec::new(),
+            states: Vec::new(),
+            gap_rows: Vec::new(),
+            ways: Vec::new(),
+            is_exact: false,
+        };
+        let exact = rough.clone().exact();
+        for (largest, unit, exactly) in [
+            (2400.0, 1e6, 1e3),
+            (5.0, 1.0, 1.0),
+            (200.0, 1.0, 1.0),
+            (0.04, 1.0, 0.1),
+            (0.0, 1.0, 1.0),
+        ] {
+            let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+            assert!(close(rough.objective(largest), unit), "{largest}");
+            assert!(close(exact.objective(largest), exactly), "{largest}");
+            assert!(close(objective_size(largest), exactly), "{largest}");
         }
     }
 }

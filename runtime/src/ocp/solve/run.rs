@@ -144,6 +144,7 @@ impl Task<'_, '_> {
         let motion = &candidate.trajectory;
         let units = Units::new(model, &Scale::of(model, problem), motion, bounds);
         let units = units.measured_by(model, motion, bounds);
+        // A large unit of the objective weighs feasibility more, which is what a motion wants that is far from any.
         let units = match readings {
             Readings::Own => units.exact(),
             Readings::All => units,

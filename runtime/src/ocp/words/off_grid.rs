@@ -272,7 +272,7 @@ pub(super) fn solve_around(
     };
     let (guess, elements) = begun(&spans, motion);
     let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
-    goals.begin_at(program.program.objective_unit());
+    goals.begin_at(program.program.objective_size());
     let solution = solved(runner, &mut program, goals, (BARRIER, ITERATIONS))?;
     Some(read(&program, &solution, (draft, &counts)))
 }
