@@ -52,6 +52,7 @@ pub(in crate::ocp) fn candidate(
     };
     let mut program = TimeFreezing::from_guess(model, problem, &settings, &guess)?;
     let mut relaxation = mpcc::Settings::default();
+    relaxation.interior_point.objective_unit = Some(1.0);
     relaxation.crossover = false;
     relaxation.final_relaxation = settings.complementarity;
     relaxation.rules = settings.rules.to_vec();
