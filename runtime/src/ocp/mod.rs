@@ -79,6 +79,7 @@ mod effort;
 mod global;
 mod joined;
 mod judge;
+mod misses;
 mod motion;
 mod parameters;
 mod previous;
@@ -101,6 +102,7 @@ mod words;
 pub use crate::time_freezing::task::CrossComplementarity;
 pub use global::time_freezing::TimeFreezing;
 pub use hangtime_solver::mpcc::Stationarity;
+pub use misses::{Miss, Nearest};
 pub use motion::control_grid::ControlShape;
 pub use parameters::{FoundParameter, OptimumGradient, OptimumSides};
 pub use previous::Previous;
@@ -109,8 +111,8 @@ pub use rules::{RULES, Rule, RulePart};
 pub use settings::{ControlNodes, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{
-    Counts, Excess, Improvement, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Source,
-    Status, TimeFreezingReport, WordCounts,
+    Counts, Excess, Improvement, Margin, Optimum, RelaxedReport, Solution, Source, Status,
+    TimeFreezingReport, WordCounts,
 };
 pub use solve::solve;
 pub use unknown::parameter_named;

@@ -26,6 +26,7 @@ mod problem;
 mod quantity;
 mod recorder;
 mod result;
+mod sentences;
 mod shared_load;
 mod singular;
 mod state;

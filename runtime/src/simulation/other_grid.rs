@@ -8,7 +8,7 @@
 //! chance: it is compared with several, all along the way, and what lies between its steps is looked at.
 
 use super::agreement::{Comparison, Spent, share};
-use super::problem::leaps;
+use super::sentences::leaps;
 use super::watch::Watch;
 use super::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus};
 use super::{along, poles};

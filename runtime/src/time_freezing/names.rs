@@ -1,7 +1,10 @@
 //! What the places of a local vector are called, and what they are there for.
 
+use hangtime_solver::mpcc::Mpcc as _;
+
 use super::field::Field;
 use super::layout::Layout;
+use crate::program::sparse_program::Program;
 use crate::size::Purpose;
 
 /// Name of a contact.
@@ -36,6 +39,21 @@ pub(super) fn local(field: &Field<'_>, place: usize) -> String {
     }
     let own = place - layout.lifted_gap(0);
     format!("lifted gap of {}", contact(field, own))
+}
+
+/// Name of a complementarity pair: what complements each other, and where.
+pub(super) fn pair(program: &Program<'_>, index: usize) -> String {
+    let (i, j) = program.complementarities()[index];
+    let [first, second] = [i, j].map(|i| {
+        let name = program.name(i);
+        name.strip_prefix("sum of ").unwrap_or(name)
+    });
+    match (first.split_once(' '), second.split_once(' ')) {
+        (Some((one, place)), Some((other, same))) if place == same => {
+            format!("{one} _|_ {other} {place}")
+        }
+        _ => format!("{first} _|_ {second}"),
+    }
 }
 
 /// What a state is there for.

@@ -1,7 +1,5 @@
 //! The variables of a time-freezing system on a grid, and what is read off them.
 
-use hangtime_solver::mpcc::Mpcc as _;
-
 use super::field::Field;
 use super::laid_out;
 use super::layout::{Group, SLIP_MINUS, SLIP_PLUS};
@@ -687,16 +685,6 @@ impl<'a> Transcription<'a> {
 
     /// Name of a complementarity pair: what complements each other, and where.
     pub(crate) fn complementarity_name(&self, index: usize) -> String {
-        let (i, j) = self.program.complementarities()[index];
-        let [first, second] = [i, j].map(|i| {
-            let name = self.program.name(i);
-            name.strip_prefix("sum of ").unwrap_or(name)
-        });
-        match (first.split_once(' '), second.split_once(' ')) {
-            (Some((one, place)), Some((other, same))) if place == same => {
-                format!("{one} _|_ {other} {place}")
-            }
-            _ => format!("{first} _|_ {second}"),
-        }
+        names::pair(&self.program, index)
     }
 }

@@ -5,7 +5,7 @@ use super::sampled::{drawing_range, drawn};
 use super::throw::{End, ends_of_changed};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::uniform;
-use crate::ocp::solution::{Miss, Nearest};
+use crate::ocp::misses::{Miss, Nearest};
 use crate::ocp::tuning::equal::MET;
 use crate::ocp::tuning::sampled::{CHANGED, CHANGES, DRAWN};
 use crate::simulation::InputError;

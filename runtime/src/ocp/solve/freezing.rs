@@ -54,12 +54,7 @@ pub(super) fn solve(
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
     let observer = SharedObserver::new(observer);
-    let task = Task {
-        model,
-        problem,
-        settings,
-        observer: &observer,
-    };
+    let task = Task::new((model, problem, settings), &observer);
     let mut runs = Runs::default();
     let chosen = if settings.starts.is_none() && !matches!(settings.guess, Guess::Previous(_)) {
         few(&task, &mut runs)?

@@ -73,12 +73,7 @@ pub(super) fn guessed(
     .unwrap_or_default();
     if let Some(best) = &best {
         let observer = SharedObserver::new(observer);
-        let task = Task {
-            model,
-            problem,
-            settings,
-            observer: &observer,
-        };
+        let task = Task::new((model, problem, settings), &observer);
         task.run(Effort::Quick, |runner| {
             report(runner, best);
             Ok(())
@@ -156,12 +151,7 @@ pub(super) fn no_worse(
         return Ok(known);
     }
     let observer = SharedObserver::new(observer);
-    let task = Task {
-        model,
-        problem,
-        settings,
-        observer: &observer,
-    };
+    let task = Task::new((model, problem, settings), &observer);
     let interrupted = known.status == Status::Interrupted;
     let carry = || task.run(Effort::Conclude, |runner| task.carry(runner, &guessed));
     // Where its sequence has no program that can be started the motion stays as it is.

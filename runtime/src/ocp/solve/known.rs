@@ -25,12 +25,7 @@ pub(super) fn solve(
 ) -> Result<Solution, InputError> {
     let (solution, stopped) = {
         let observer = SharedObserver::new(observer);
-        let task = Task {
-            model,
-            problem,
-            settings,
-            observer: &observer,
-        };
+        let task = Task::new((model, problem, settings), &observer);
         let (solution, work) = task.run(Effort::Conclude, |runner| {
             from_previous(&task, runner, previous)
         })?;

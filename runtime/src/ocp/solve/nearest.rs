@@ -3,13 +3,13 @@
 use crate::model::Model;
 use crate::ocp::collocation::discretization::{Setting, parabolas};
 use crate::ocp::global::guess::guess;
+use crate::ocp::misses::Nearest;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::units::Units;
 use crate::ocp::scale::Scale;
 use crate::ocp::search::nearest;
 use crate::ocp::settings::{Guess, Settings};
-use crate::ocp::solution::Nearest;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 

@@ -48,6 +48,20 @@ pub(super) struct Begin {
     pub(super) elements: usize,
 }
 
+impl<'a, 's> Task<'a, 's> {
+    pub(super) fn new(
+        (model, problem, settings): (&'a dyn Model, &'a Problem, &'a Settings),
+        observer: &'a SharedObserver<'s, 's>,
+    ) -> Self {
+        Self {
+            model,
+            problem,
+            settings,
+            observer,
+        }
+    }
+}
+
 impl Task<'_, '_> {
     /// Runs with a runner of its own, and says what that took.
     pub(super) fn run<T>(

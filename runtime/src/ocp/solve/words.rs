@@ -62,12 +62,7 @@ pub(super) fn solve(
         ..settings.clone()
     };
     let observer = SharedObserver::new(observer);
-    let task = Task {
-        model,
-        problem: &whole,
-        settings,
-        observer: &observer,
-    };
+    let task = Task::new((model, &whole, settings), &observer);
     let mut search = Search::new();
     let (failed, work) = task.run(Effort::Quick, |runner| {
         search.on_grids(&task, runner)?;

@@ -14,7 +14,7 @@ use crate::contact::{
 use crate::model::{Switching, contact_point, pair_size};
 use crate::run::Place;
 use crate::run::sides::{self, Failed, Known};
-use crate::simulation::problem::{negative_bound, not_unique, second_order};
+use crate::simulation::sentences::{negative_bound, not_unique, second_order};
 
 /// Shares of the step size after which undecided contacts are looked at, with the multiple of the force now
 /// that a force then must exceed: the earliest moment that shows more than rounding error belongs to the

@@ -3,7 +3,7 @@
 
 use crate::contact::touching::jammed;
 use crate::contact::{Balance, Touching, View};
-use crate::simulation::problem::not_unique;
+use crate::simulation::sentences::not_unique;
 
 /// Closed contacts, as last evaluated, with what their lines do without contact forces.
 pub(in crate::simulation) struct ContactProblem {

@@ -3,7 +3,8 @@
 use super::dynamics::{Dynamics, Switch};
 use super::here::Undetermined;
 use crate::contact::touching::jammed;
-use crate::simulation::problem::{has_pole, leaps, unbounded, vanishing_inertia, zero_parameters};
+use crate::simulation::problem::vanishing_inertia;
+use crate::simulation::sentences::{has_pole, leaps, unbounded, zero_parameters};
 use crate::simulation::{Diagnosis, SimulationStatus};
 
 /// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.

@@ -7,9 +7,9 @@ use crate::contact::touching::jammed;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::run::resets;
-use crate::simulation::problem::{
-    has_pole, leaps, negative_bound, not_finite_at, not_unique, second_order, unbounded,
-    vanishing_inertia, zero_parameters,
+use crate::simulation::problem::{not_finite_at, vanishing_inertia};
+use crate::simulation::sentences::{
+    has_pole, leaps, negative_bound, not_unique, second_order, unbounded, zero_parameters,
 };
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 

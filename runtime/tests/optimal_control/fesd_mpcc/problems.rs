@@ -29,10 +29,7 @@ impl Case {
         let mut settings = TimeFreezingSettings::default();
         (settings.scheme, settings.stages, settings.elements) = (scheme, stages, elements);
         Self {
-            name: format!(
-                "{name}, {duration} s, {} {stages}, {elements} elements",
-                family(scheme)
-            ),
+            name: format!("{name}, {duration} s, {scheme:?} {stages}, {elements} elements"),
             model: Box::new(model),
             problem,
             settings,
@@ -41,13 +38,6 @@ impl Case {
 
     pub(crate) fn program(&self) -> Result<TimeFreezing<'_>, InputError> {
         TimeFreezing::new(&*self.model, &self.problem, &self.settings)
-    }
-}
-
-fn family(scheme: Scheme) -> &'static str {
-    match scheme {
-        Scheme::GaussLegendre => "Gauss",
-        _ => "Radau",
     }
 }
 
