@@ -1,5 +1,7 @@
 //! The command line of hangtime over the shipped scenes.
 
+#[cfg(feature = "play")]
+use std::io::Read as _;
 use std::process::ExitCode;
 
 use hangtime_cli::{CommandLine, OpeningRide};
@@ -20,6 +22,15 @@ const BIKE: OpeningRide = OpeningRide {
 #[cfg(feature = "play")]
 const CHAPTERS: &[PlayChapter] = include!(concat!(env!("OUT_DIR"), "/chapters.rs"));
 
+/// The text, compressed by gzip.
+#[cfg(feature = "play")]
+fn pack(text: &str) -> Vec<u8> {
+    let mut packed = Vec::new();
+    let best = flate2::Compression::best();
+    let read = flate2::read::GzEncoder::new(text.as_bytes(), best).read_to_end(&mut packed);
+    read.map_or_else(|_| Vec::new(), |_| packed)
+}
+
 fn main() -> ExitCode {
     let command_line = CommandLine::new(scenes())
         .with_hard(hard_scenes())
@@ -31,6 +42,7 @@ fn main() -> ExitCode {
         module: include_bytes!(concat!(env!("OUT_DIR"), "/module.gz")),
         scenes: scene_texts(),
         chapters: CHAPTERS,
+        pack,
     });
     command_line.run(std::env::args_os())
 }

@@ -40,6 +40,8 @@ pub struct PlayPage {
     pub scenes: &'static [(&'static str, &'static str)],
     /// What is to be read beside the scene, in the order of reading.
     pub chapters: &'static [PlayChapter],
+    /// Compresses by gzip; what is shown only when asked for is packed.
+    pub pack: fn(&str) -> Vec<u8>,
 }
 
 /// A chapter of a book about the language.
@@ -65,6 +67,7 @@ struct SceneText<'a> {
     question: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     answer: Option<&'a str>,
+    #[serde(skip)]
     picture: &'a str,
 }
 
@@ -147,7 +150,11 @@ fn html(page: &PlayPage, scenes: &[SceneText<'_>]) -> String {
             "elements" => html += animation::ELEMENTS,
             "player" => html += animation::SCRIPT,
             "scenes" => html += &embedded(&to_line(&scenes)),
-            "chapters" => html += &embedded(&to_line(&page.chapters)),
+            "chapters" => push_base64(&mut html, &(page.pack)(&to_line(&page.chapters))),
+            "pictures" => {
+                let pictures: Vec<_> = scenes.iter().map(|scene| scene.picture).collect();
+                push_base64(&mut html, &(page.pack)(&to_line(&pictures)));
+            }
             "template" => html += &embedded(&to_line(&TEMPLATE_SCENE)),
             "words" => html += &embedded(&to_line(&hangtime_dsl::words())),
             "worker" => html += include_str!("worker.js"),
@@ -213,6 +220,7 @@ mod tests {
             module: b"module",
             scenes: &[],
             chapters: Box::leak(Box::new([chapter])),
+            pack: |text| text.into(),
         };
         let page = html(&page, &[scene]);
         assert_eq!(
@@ -222,7 +230,6 @@ mod tests {
         for part in [
             "bW9kdWxl",
             "\\u003c/script> {{style}}",
-            "# A\\n\\u003c/script>",
             "playFrames",
             "id=\"stage\"",
         ] {

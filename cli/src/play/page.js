@@ -4,9 +4,8 @@ const original = (name) => shipped.find((scene) => scene.name === name);
 
 // The module, compiled once, while it is decoded and unpacked; every worker runs its own copy.
 const compiled = (async () => {
-  const packed = await fetch(`data:application/octet-stream;base64,${element("module").textContent}`);
-  const stream = packed.body.pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compileStreaming(new Response(stream, { headers: { "Content-Type": "application/wasm" } }));
+  const { body } = await unpacked("module");
+  return WebAssembly.compileStreaming(new Response(body, { headers: { "Content-Type": "application/wasm" } }));
 })();
 const workerAddress = URL.createObjectURL(new Blob([element("worker").textContent], { type: "text/javascript" }));
 // A worker with more memory than this is replaced by a fresh one after its answer [bytes].
@@ -420,14 +419,15 @@ const openLink = async () => {
 };
 
 // The gallery: scenes by groups, with picture, question and answer.
-const showGallery = () => {
+const showGallery = async () => {
   const groups = new Map();
   for (const scene of shipped) groups.set(scene.group, [...(groups.get(scene.group) ?? []), scene]);
-  const card = ({ name, title, about, question, answer, picture }) => {
+  const pictures = await (await unpacked("pictures")).json();
+  const card = ({ name, title, about, question, answer }) => {
     const button = make("button", { type: "button", className: "card" });
     button.dataset.scene = name;
     const drawing = make("span", { className: "picture" });
-    drawing.innerHTML = picture;
+    drawing.innerHTML = pictures[shipped.findIndex((scene) => scene.name === name)];
     drawing.setAttribute("aria-hidden", "true");
     const told = question ? [make("span", { className: "question", textContent: question }), make("span", { className: "quiet", textContent: answer })] : [];
     button.append(drawing, make("strong", { textContent: name }), make("span", { textContent: title }), make("span", { className: "about", textContent: about }), ...told);

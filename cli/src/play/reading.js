@@ -1,7 +1,15 @@
 "use strict";
+// What the page holds compressed.
+const unpacked = async (id) => {
+  const packed = await fetch(`data:application/octet-stream;base64,${element(id).textContent}`);
+  return new Response(packed.body.pipeThrough(new DecompressionStream("gzip")));
+};
+
 // What is read beside the editor: the chapters of the book, and the pages about mistakes.
 const reading = (() => {
-  const chapters = JSON.parse(element("chapters").textContent);
+  // Filled once, as `loaded` tells.
+  const chapters = [];
+  const sections = [];
   const panel = element("reading");
   const sheet = element("sheet");
   const choice = element("chapter");
@@ -49,7 +57,8 @@ const reading = (() => {
     sheet.querySelector(`[data-anchor="${CSS.escape(anchor)}"]`)?.scrollIntoView({ block: "start" });
   };
   // Opens a chapter, `contacts.md`, or a place in one, `contacts.md#friction`.
-  const open = (target) => {
+  const open = async (target) => {
+    await loaded;
     const [file, anchor = ""] = target.split("#");
     const name = file || place?.file || chapters[0].file;
     if (!chapters.some((chapter) => chapter.file === name)) return;
@@ -61,8 +70,7 @@ const reading = (() => {
     show([withScenes(markdown)], title);
   } });
 
-  // The sections in which all words occur, those with a word in the heading first.
-  const sections = chapters.flatMap(({ file, title, text: markdown }) => {
+  const sectionsOf = ({ file, title, text: markdown }) => {
     let fenced = false;
     const parts = [{ file, title, heading: title, lines: [] }];
     for (const line of markdown.split("\n")) {
@@ -72,7 +80,8 @@ const reading = (() => {
       else parts[parts.length - 1].lines.push(line);
     }
     return parts;
-  });
+  };
+  // The sections in which all words occur, those with a word in the heading first.
   const find = (asked) => {
     const wanted = asked.toLowerCase().split(/\s+/).filter(Boolean);
     const scored = sections.map((section) => {
@@ -95,7 +104,11 @@ const reading = (() => {
     show([make("h3", { textContent: found.length ? `${found.length} places` : "nothing found" }), make("ul", { className: "found" }, ...entries)], "search");
   };
 
-  choice.append(...chapters.map(({ file, title }) => make("option", { value: file, textContent: title })));
+  const loaded = unpacked("chapters").then((packed) => packed.json()).then((read) => {
+    chapters.push(...read);
+    sections.push(...chapters.flatMap(sectionsOf));
+    choice.append(...chapters.map(({ file, title }) => make("option", { value: file, textContent: title })));
+  });
   choice.addEventListener("change", () => open(choice.value));
   element("find").addEventListener("input", ({ target }) => {
     if (target.value.trim().length > 1) find(target.value);
@@ -118,7 +131,7 @@ const reading = (() => {
   element("read").addEventListener("click", () => {
     if (!panel.hidden) close();
     else if (place) place.draw();
-    else open(chapters[0].file);
+    else open("");
   });
   return { open, page, close, chapters, scenesGo: (go) => { tryScene = go; } };
 })();
