@@ -2,6 +2,8 @@
 
 use std::io::Write as _;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD as BASE64_URL;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 
@@ -18,7 +20,7 @@ pub fn fragment(name: &str, text: &str) -> String {
     // Writing to memory does not fail.
     let _ = packed.write_all(content.as_bytes());
     let packed = packed.finish().unwrap_or_default();
-    format!("scene={}", letters(&packed))
+    format!("scene={}", BASE64_URL.encode(&packed))
 }
 
 /// A link with these words.
@@ -44,18 +46,4 @@ pub(crate) fn without(html: &str) -> String {
         plain.push_str(rest);
     }
     plain
-}
-
-/// Bytes as text for addresses (base64url of RFC 4648, without padding).
-fn letters(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
-    let mut text = String::with_capacity(4 * bytes.len().div_ceil(3));
-    for group in bytes.chunks(3) {
-        let byte = |k: usize| u32::from(group.get(k).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        text.extend(
-            (0..=group.len()).map(|k| LETTERS[(bits >> (18 - 6 * k)) as usize & 63] as char),
-        );
-    }
-    text
 }
