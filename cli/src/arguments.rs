@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::numbers::{
-    ROWS, above_zero, chain, duration, elements, intervals, rows, shard, stages, starts, steps,
+    ROWS, above_zero, chain, duration, elements, intervals, rows, shard, share, stages, starts,
+    steps,
 };
 
 /// Simulation and optimal control of mechanical systems with impacts.
@@ -310,6 +311,10 @@ pub(crate) struct SolveArguments {
     /// certified: 2, one of them on about ten intervals, then others one after the other].
     #[arg(long, value_name = "N", value_parser = starts, allow_negative_numbers = true)]
     pub(crate) starts: Option<usize>,
+    /// Share of the work until the last gain for which the search for orders of contacts goes on without another one, once it has a
+    /// plan; 0 or more [default: 0.5].
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
+    pub(crate) patience: Option<f64>,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
     #[command(flatten)]
@@ -603,6 +608,7 @@ mod tests {
                 format!("between two switches [default: {elements}]"),
                 format!("interval with time-freezing [default: {parts}], where one"),
                 format!("until so many less one bring nothing [default: {starts}]; with"),
+                format!("plan; 0 or more [default: {}]", settings.patience),
                 format!("solved side by side [default: up to {tried} until a motion is"),
             ],
         );

@@ -112,6 +112,12 @@ pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A number of zero or more, infinity included.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| *number >= 0.0);
+    number.ok_or_else(|| "give a number of 0 or more, such as 0.5, or inf".to_owned())
+}
+
 /// A time above zero [s], in seconds or in the unit given.
 pub(crate) fn duration(text: &str) -> Result<f64, String> {
     let not_finite = "give a finite time above 0, such as 5, 5s or 200ms";

@@ -252,6 +252,7 @@ class Scene:
         stages: Optional[int] = None,
         elements: Optional[int] = None,
         starts: Optional[int] = None,
+        patience: Optional[float] = None,
         horizon: Optional[Value] = None,
         gradient: Optional[Names] = None,
         rows: Optional[int] = None,

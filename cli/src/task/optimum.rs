@@ -97,6 +97,7 @@ impl OptimumTask {
 fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
     let mut settings = Settings::default();
     settings.starts = arguments.starts;
+    settings.patience = arguments.patience.unwrap_or(settings.patience);
     settings.grid = match arguments.grid {
         GridName::Equal => ControlNodes::Equal,
         GridName::Aligned => ControlNodes::Aligned,

@@ -38,7 +38,12 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 21] = [
+pub const RULES: [Rule; 23] = [
+    rule(
+        Source,
+        "time-freezing",
+        "The plan of a time-freezing program that is left early, where it is proved.",
+    ),
     rule(
         Source,
         "sample",
@@ -94,6 +99,11 @@ pub const RULES: [Rule; 21] = [
         Mapping,
         "shift",
         "Switches an interval earlier and later, alone and with all behind them, while the grid costs more than it has to.",
+    ),
+    rule(
+        Mapping,
+        "near",
+        "All switches in the intervals around, and at their ends, where shifts do not help.",
     ),
     rule(
         Mapping,

@@ -210,6 +210,9 @@ pub struct Settings {
     pub starts: Option<usize>,
     /// Names of [`RULES`](super::RULES) of the search that are left out, to see what they earn; default none.
     pub without: Vec<String>,
+    /// Work without a gain after which a search that has a plan ends, as a share of the work until then; default 0.5, at least 0. Work counts
+    /// iterations times variables and rows; a gain is 0.1 % of a plan, or of an order of contacts that may become a better one.
+    pub patience: f64,
     /// Free parameters (indices) that are not to be found, but keep the values of the model; default none.
     pub given_parameters: Vec<usize>,
     /// Parameters (indices) by which the optimum is differentiated, see [`Solution::gradient`](super::Solution::gradient), none of
@@ -266,6 +269,7 @@ impl Default for Settings {
             guess: Guess::default(),
             starts: None,
             without: Vec::new(),
+            patience: 0.5,
             given_parameters: Vec::new(),
             gradient: Vec::new(),
             elements: 1,
@@ -324,6 +328,10 @@ impl Settings {
                     format!("above 0 and below {below}"),
                 ));
             }
+        }
+        if self.patience.is_nan() || self.patience < 0.0 {
+            let what = "patience of the search";
+            return Err(refusal::out_of_range(what, self.patience, "", "at least 0"));
         }
         rules::check(&self.without)?;
         let phases = matches!(self.formulation, Formulation::Phases)

@@ -46,6 +46,8 @@ fn solve(model: &dyn Model, metre: f64, horizon: Horizon, controls: ControlShape
     };
     let mut settings = one_start();
     settings.controls = controls;
+    // Its program is measured in the units of the scene.
+    settings.without.push("time-freezing".to_owned());
     // These are in the unit of the scene.
     settings.gap_margin *= metre;
     settings.largest_distance *= metre;

@@ -119,24 +119,6 @@ scene! { Shown;
 
 const INTERVALS: usize = 6;
 
-// Names of groups.
-const CLOCK: &str = "clock";
-const CONTACT_FORCE: &str = "contact force";
-const CONTROL: &str = "controls";
-const CROSS_COMPLEMENTARITY: &str = "cross complementarity";
-const ELEMENT_LENGTH: &str = "element lengths";
-const EXPLICIT_TIME: &str = "explicit time";
-const FINAL_TIME: &str = "free final time";
-const FREE_START: &str = "free start";
-const FRICTION: &str = "friction";
-const GAP: &str = "gap";
-const GOAL: &str = "goals";
-const FORCES: &str = "declared forces";
-const PATH_CONSTRAINT: &str = "path constraints";
-const RESTITUTION: &str = "restitution";
-const SEVERAL_CONTACTS: &str = "several contacts";
-const STEP_FUNCTION: &str = "step functions";
-
 fn simulated(model: &dyn Model, formulation: StepFormulation) -> Vec<FormulationSize> {
     let problem = InitialValueProblem::of(model, None).unwrap();
     let method = Fesd::default().with_formulation(formulation);
@@ -186,37 +168,13 @@ fn named<'s>(sizes: &'s [FormulationSize], name: &str) -> &'s FormulationSize {
     found.unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// What the formulation `to` of a scene has more than the formulation `from` of the minimal one, group by group.
-fn added(model: &dyn Model, from: &str, to: &str) -> Vec<(&'static str, Numbers)> {
-    let (less, more) = (sizes(&Minimal::default()), sizes(model));
-    let (less, more) = (named(&less, from), named(&more, to));
-    let names = |size: &FormulationSize| -> Vec<&'static str> {
-        size.groups.iter().map(|group| group.name).collect()
-    };
-    let mut all = names(more);
-    all.extend(
-        names(less)
-            .iter()
-            .filter(|name| !names(more).contains(name)),
-    );
-    let differences = all.into_iter().map(|name| {
-        let (less, more) = (numbers(less, name), numbers(more, name));
-        (name, std::array::from_fn(|i| more[i] - less[i]))
-    });
-    differences.filter(|(_, more)| *more != [0; 6]).collect()
-}
-
 /// Names of the kernels that a scene has beside those of the minimal one.
 fn added_kernels(model: &dyn Model) -> Vec<&'static str> {
     let minimal = Minimal::default();
-    let known: Vec<&str> = minimal
-        .declaration()
-        .kernels
-        .iter()
-        .map(|k| k.name)
-        .collect();
+    let known = minimal.declaration().kernels;
     let own = model.declaration().kernels.iter().map(|k| k.name);
-    own.filter(|name| !known.contains(name)).collect()
+    own.filter(|name| known.iter().all(|known| known.name != *name))
+        .collect()
 }
 
 const FLIGHT: &str = "simulation, element, free flight";
@@ -225,20 +183,44 @@ const HELD_FROZEN: &str = "simulation, time-freezing element, `floor` holds";
 const COARSE: &str = "optimal control, contact-implicit program";
 const FINE: &str = "optimal control, collocation";
 const FROZEN: &str = "optimal control, time-freezing program";
-const ALL: [&str; 6] = [FLIGHT, HELD, HELD_FROZEN, COARSE, FINE, FROZEN];
 
-/// Groups that every scene with contacts may have.
-const COMMON: [&str; 9] = [
-    "state",
-    CLOCK,
-    ELEMENT_LENGTH,
-    CONTACT_FORCE,
-    GAP,
-    STEP_FUNCTION,
-    CROSS_COMPLEMENTARITY,
-    "switch times",
-    "impacts",
-];
+/// What a scene has more than the minimal one, in a line each: group by group of every formulation, where a contact may slip or stick
+/// instead, and kernels.
+fn added(model: &dyn Model) -> String {
+    let (less, more) = (sizes(&Minimal::default()), sizes(model));
+    let mut told = String::new();
+    for (from, to) in [
+        (FLIGHT, FLIGHT),
+        (HELD, HELD),
+        (HELD, "simulation, element, `floor` slips"),
+        (HELD, "simulation, element, `floor` sticks"),
+        (HELD_FROZEN, HELD_FROZEN),
+        (
+            HELD_FROZEN,
+            "simulation, time-freezing element, `floor` sticks",
+        ),
+        (COARSE, COARSE),
+        (FINE, FINE),
+        (FROZEN, FROZEN),
+    ] {
+        let Some(more) = more.iter().find(|size| size.formulation == to) else {
+            continue;
+        };
+        let less = named(&less, from);
+        let mut names: Vec<&str> = more.groups.iter().map(|group| group.name).collect();
+        names.extend(less.groups.iter().map(|group| group.name));
+        names.sort_unstable();
+        names.dedup();
+        for name in names {
+            let (less, more) = (numbers(less, name), numbers(more, name));
+            let added: Numbers = std::array::from_fn(|i| more[i] - less[i]);
+            if added != [0; 6] {
+                told += &format!("{to}, {name}: {added:?}\n");
+            }
+        }
+    }
+    told + &format!("kernels: {:?}\n", added_kernels(model))
+}
 
 #[test]
 fn what_is_recorded_and_drawn_adds_nothing() {
@@ -246,241 +228,53 @@ fn what_is_recorded_and_drawn_adds_nothing() {
     assert_eq!(text(&Shown::default()), text(&Minimal::default()));
 }
 
+/// Variables, equations, inequalities, pairs, nonzeros of Jacobian and Hessian. Six intervals and a switch are seven phases of four stages, 28,
+/// all but one of which are in contact; 96 elements of the contact-implicit program, 36 stages of 18 elements of the time-freezing program.
 #[test]
-fn force_adds_a_variable_and_an_equation_at_each_stage_of_its_contact() {
-    let pressed = Pressed::default();
-    assert_eq!(added(&pressed, HELD, HELD), []);
-    // Six intervals and a switch: seven phases of four stages and a start each, of which all but the first are in contact.
-    let more = [
-        (PATH_CONSTRAINT, [0, 0, 35, 0, 0, 0]),
-        (FORCES, [25, 25, 0, 0, 94, 4]),
+fn what_a_declaration_adds_is_its_own_groups_and_nothing_else() {
+    let scenes: [(&str, &dyn Model); 10] = [
+        ("friction", &Rough::default()),
+        ("a control", &Driven::default()),
+        ("a second contact", &Walled::default()),
+        ("restitution", &Bouncing::default()),
+        ("a path constraint", &Limited::default()),
+        ("a free velocity at the start", &Thrown::default()),
+        ("a free place at the start", &Placed::default()),
+        ("a force of time", &Timed::default()),
+        ("a free final time with a goal", &Timeless::default()),
+        ("a bound of a force", &Pressed::default()),
     ];
-    assert_eq!(added(&pressed, FINE, FINE), more);
-    assert_eq!(added(&pressed, COARSE, COARSE), []);
-    let kernels = ["path_functions", "path_jacobian", "path_hessian"];
-    assert_eq!(added_kernels(&pressed), kernels);
-    // The program of the time-freezing system leaves forces out, and conditions on them.
-    assert_eq!(added(&pressed, FROZEN, FROZEN), []);
-}
-
-#[test]
-fn impulses_add_a_sum_and_a_condition_an_impact() {
-    let struck = Struck::default();
-    let more = [
-        ("impacts", [0, 0, 0, 0, 0, 1]),
-        (PATH_CONSTRAINT, [0, 0, 1, 0, 1, 0]),
-        (FORCES, [1, 1, 0, 0, 2, 0]),
-    ];
-    assert_eq!(added(&struck, FINE, FINE), more);
-    assert_eq!(added(&struck, COARSE, COARSE), []);
-    let kernels = ["impact_functions", "impact_jacobian", "impact_hessian"];
-    assert_eq!(added_kernels(&struck), kernels);
+    let mut told: String = scenes
+        .iter()
+        .map(|(name, model)| format!("{name}\n{}", added(*model)))
+        .collect();
+    told += &format!("impulses\n{}", added(&Struck::default()));
+    insta::assert_snapshot!(told);
 }
 
 #[test]
 fn minimal_scene_takes_nothing_for_what_it_does_not_declare() {
     let minimal = Minimal::default();
     let all = sizes(&minimal);
-    for name in ALL {
-        named(&all, name);
-    }
-    for size in &all {
-        for group in &size.groups {
-            assert!(
-                COMMON.contains(&group.name),
-                "{}: {group:?}",
-                size.formulation
-            );
-        }
-    }
+    let groups = all.iter().flat_map(|size| {
+        let groups = size.groups.iter();
+        groups.map(|group| {
+            format!(
+                "{}, {}: {:?}",
+                size.formulation,
+                group.name,
+                numbers(size, group.name)
+            )
+        })
+    });
+    insta::assert_snapshot!(groups.collect::<Vec<_>>().join("\n"));
     for kernel in minimal.declaration().kernels {
-        let own = ["tangent", "path", "impact"]
-            .iter()
-            .any(|other| kernel.name.starts_with(other));
-        assert!(!own, "{}", kernel.name);
+        let own = ["tangent", "path", "impact"];
+        assert!(!own.iter().any(|own| kernel.name.starts_with(own)));
     }
     // In flight there is no force, in contact one a stage and what keeps the gap at zero.
     assert_eq!(named(&all, FLIGHT).size().variables, 6 * 2);
     assert_eq!(named(&all, HELD).size().variables, 6 * (2 + 1 + 1));
-}
-
-#[test]
-fn friction_adds_its_own_groups_and_nothing_else() {
-    let rough = Rough::default();
-    assert_eq!(added(&rough, FLIGHT, FLIGHT), []);
-    // Slip turns the direction of the force, and adds the sign of the sliding velocity at six stages.
-    let slips = "simulation, element, `floor` slips";
-    let more = [
-        (CONTACT_FORCE, [0, 0, 0, 0, 6, 0]),
-        (FRICTION, [0, 0, 6, 0, 0, 0]),
-    ];
-    assert_eq!(added(&rough, HELD, slips), more);
-    let sticks = "simulation, element, `floor` sticks";
-    assert_eq!(
-        added(&rough, HELD, sticks),
-        [(FRICTION, [6, 6, 6, 0, 42, 0])]
-    );
-    let sticks = "simulation, time-freezing element, `floor` sticks";
-    assert_eq!(
-        added(&rough, HELD_FROZEN, sticks),
-        [(FRICTION, [6, 6, 6, 0, 78, 0])]
-    );
-    // Four variables, two equations and two pairs in each of 96 elements.
-    assert_eq!(
-        added(&rough, COARSE, COARSE),
-        [(FRICTION, [384, 192, 0, 192, 960, 0])]
-    );
-    // The contact slips at all of its 20 stages.
-    assert_eq!(
-        added(&rough, FINE, FINE),
-        [(FRICTION, [0, 0, 21, 0, 21, 0])]
-    );
-    assert_eq!(
-        added(&rough, FROZEN, FROZEN),
-        [(FRICTION, [216, 144, 0, 72, 754, 144])]
-    );
-    let kernels = [
-        "tangent_floor",
-        "tangent_jacobian_floor",
-        "tangent_hessian_floor",
-    ];
-    assert_eq!(added_kernels(&rough), kernels);
-}
-
-#[test]
-fn control_adds_one_variable_an_interval_and_no_equation() {
-    let driven = Driven::default();
-    for name in [FLIGHT, HELD, HELD_FROZEN] {
-        assert_eq!(added(&driven, name, name), [], "{name}");
-    }
-    assert_eq!(
-        added(&driven, COARSE, COARSE),
-        [(CONTROL, [6, 0, 0, 0, 96, 0])]
-    );
-    assert_eq!(added(&driven, FINE, FINE), [(CONTROL, [6, 0, 0, 0, 28, 2])]);
-    assert_eq!(
-        added(&driven, FROZEN, FROZEN),
-        [(CONTROL, [6, 0, 0, 0, 36, 60])]
-    );
-    assert_eq!(added_kernels(&driven), Vec::<&str>::new());
-}
-
-#[test]
-fn second_contact_adds_what_the_first_one_takes_and_products_of_step_functions() {
-    let walled = Walled::default();
-    // Its gap is watched.
-    for name in [FLIGHT, HELD, HELD_FROZEN] {
-        assert_eq!(
-            added(&walled, name, name),
-            [(GAP, [0, 0, 6, 0, 0, 0])],
-            "{name}"
-        );
-    }
-    let more = [
-        (CONTACT_FORCE, [96, 0, 0, 0, 192, 0]),
-        (GAP, [96, 96, 0, 96, 192, 0]),
-    ];
-    assert_eq!(added(&walled, COARSE, COARSE), more);
-    // Its gap at 28 stages.
-    assert_eq!(added(&walled, FINE, FINE), [(GAP, [0, 0, 28, 0, 28, 0])]);
-    // Where step functions appear in products, their entries belong to those.
-    let more = [
-        (GAP, [36, 36, 0, 0, 214, 0]),
-        (STEP_FUNCTION, [216, 108, 0, 36, 72, -36]),
-        (CROSS_COMPLEMENTARITY, [72, 72, 0, 36, 250, 0]),
-        (SEVERAL_CONTACTS, [36, 36, 0, 0, 612, 144]),
-    ];
-    assert_eq!(added(&walled, FROZEN, FROZEN), more);
-    assert!(
-        added_kernels(&walled)
-            .iter()
-            .all(|name| name.ends_with("_wall"))
-    );
-}
-
-#[test]
-fn restitution_adds_variables_to_the_programs_of_time_freezing_only() {
-    let bouncing = Bouncing::default();
-    for name in [FLIGHT, HELD, HELD_FROZEN, COARSE] {
-        assert_eq!(added(&bouncing, name, name), [], "{name}");
-    }
-    let all = sizes(&bouncing);
-    // Each bounce is a phase and an impact of its own; the impact map takes no row more for it.
-    assert_eq!(numbers(named(&all, FINE), RESTITUTION), [0; 6]);
-    // Two variables and a row in each of 2 x 24 stages, four sums and two pairs in each of 24 elements: four an interval.
-    let frozen = numbers(named(&all, FROZEN), RESTITUTION);
-    assert_eq!(frozen, [192, 144, 0, 48, 862, 192]);
-    assert_eq!(added_kernels(&bouncing), Vec::<&str>::new());
-}
-
-#[test]
-fn explicit_time_adds_a_variable_where_no_clock_is_known() {
-    let timed = Timed::default();
-    assert_eq!(added(&timed, FLIGHT, FLIGHT), []);
-    assert_eq!(added(&timed, HELD, HELD), []);
-    // Contacts slow the clock, which the force reads, but at the end, where sums vanish up to rounding; the others have the clock anyway.
-    let more = added(&timed, HELD_FROZEN, HELD_FROZEN);
-    assert!(
-        matches!(more[..], [(CONTACT_FORCE, [0, 0, 0, 0, 30..=36, 0])]),
-        "{more:?}"
-    );
-    let more = [
-        (CLOCK, [0, 0, 0, 0, 72, 36]),
-        (ELEMENT_LENGTH, [0, 0, 0, 0, 0, 36]),
-        (STEP_FUNCTION, [0, 0, 0, 0, 0, 36]),
-    ];
-    assert_eq!(added(&timed, FROZEN, FROZEN), more);
-    assert_eq!(
-        added(&timed, COARSE, COARSE),
-        [(EXPLICIT_TIME, [96, 96, 0, 0, 192, 0])]
-    );
-    assert_eq!(
-        added(&timed, FINE, FINE),
-        [(EXPLICIT_TIME, [28, 28, 0, 0, 68, 8])]
-    );
-    assert_eq!(added_kernels(&timed), Vec::<&str>::new());
-}
-
-#[test]
-fn path_constraints_and_free_starts_add_their_own_groups_to_time_freezing() {
-    // A row that reads one variable at each of 36 stages.
-    assert_eq!(
-        added(&Limited::default(), FROZEN, FROZEN),
-        [(PATH_CONSTRAINT, [0, 0, 36, 0, 36, 0])]
-    );
-    // The velocity, four parts of the switching functions in two rows with 2 + 3 entries, and a pair; the first element reads
-    // the velocity at two stages, and two of the parts in its sums.
-    assert_eq!(
-        added(&Thrown::default(), FROZEN, FROZEN),
-        [(FREE_START, [5, 2, 0, 1, 9, 0])]
-    );
-    // The lifted gap as well, in both rows, in one that says what it is, and at two stages.
-    assert_eq!(
-        added(&Placed::default(), FROZEN, FROZEN),
-        [(FREE_START, [6, 3, 0, 1, 15, 0])]
-    );
-}
-
-#[test]
-fn free_final_time_adds_one_variable() {
-    let timeless = Timeless::default();
-    for name in [FLIGHT, HELD, HELD_FROZEN] {
-        assert_eq!(added(&timeless, name, name), [], "{name}");
-    }
-    let goal = (GOAL, [0, 1, 0, 0, 1, 0]);
-    assert_eq!(
-        added(&timeless, COARSE, COARSE),
-        [goal, (FINAL_TIME, [1, 0, 0, 0, 384, 288])]
-    );
-    assert_eq!(
-        added(&timeless, FINE, FINE),
-        [goal, (FINAL_TIME, [1, 0, 0, 0, 81, 40])]
-    );
-    assert_eq!(
-        added(&timeless, FROZEN, FROZEN),
-        [goal, (FINAL_TIME, [1, 0, 0, 0, 6, 0])]
-    );
-    assert_eq!(added_kernels(&timeless), Vec::<&str>::new());
 }
 
 hangtime::model! {

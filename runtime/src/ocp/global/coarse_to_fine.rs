@@ -184,7 +184,8 @@ fn relaxed(
     settings.interior_point.maximum_iterations = runner.settings.maximum_iterations;
     let unit = program.program.objective_unit();
     let step = "contact-implicit programs";
-    let Ok(solution) = runner.relax(&mut program.program, &settings, step, unit) else {
+    let Ok(solution) = runner.relax(&mut program.program, &settings, (step, usize::MAX), unit)
+    else {
         return Ok(None);
     };
     let trajectory = program.trajectory(&solution.x);

@@ -25,13 +25,14 @@ use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::TimeFreezingSettings;
 use crate::ocp::solution::{RelaxedReport, TimeFreezingReport};
 use crate::ocp::tuning::freezing::{
-    BARRIER, BOUNCE, EXACT, EXACT_ITERATIONS, ITERATIONS, OPEN, PUSH,
+    BARRIER, BOUNCE, EXACT, EXACT_ITERATIONS, FIRST, ITERATIONS, OPEN, PUSH,
 };
+use crate::ocp::tuning::off_grid::RESTORED;
 use crate::simulation::{ContactMode, Direction};
 use crate::simulation::{InputError, ProblemSize};
 
 /// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
-/// contact sequence from it, if there is one. Nothing where the program cannot be started.
+/// contact sequence from it, if there is one. Nothing where the program cannot be started. Where nothing is to be proved it is left early.
 pub(in crate::ocp) fn candidate(
     runner: &mut Runner,
     setting: Setting,
@@ -59,7 +60,14 @@ pub(in crate::ocp) fn candidate(
     relaxation.interior_point.tolerance = settings.complementarity;
     relaxation.interior_point.maximum_iterations =
         runner.settings.maximum_iterations.max(ITERATIONS);
-    let Ok(solution) = runner.relax(&mut program, &relaxation, "time-freezing program", 1.0) else {
+    let mut step = ("time-freezing program", usize::MAX);
+    if !runner.effort.proves() {
+        relaxation.rules.truncate(1);
+        relaxation.maximum_iterations = FIRST;
+        relaxation.interior_point.maximum_iterations = FIRST;
+        step.1 = RESTORED;
+    }
+    let Ok(solution) = runner.relax(&mut program, &relaxation, step, 1.0) else {
         return Ok(None);
     };
     let complementarity = largest_product(&program, &solution.x);

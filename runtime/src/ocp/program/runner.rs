@@ -5,6 +5,7 @@ use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::{NlpProblem, Violation};
 use hangtime_solver::{mpcc, nlp};
 
+use super::ledger::Ledger;
 use crate::ocp::effort::Effort;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
@@ -60,9 +61,11 @@ pub(in crate::ocp) struct Runner<'s> {
     /// CPU time of all programs by kind of work.
     pub(in crate::ocp) seconds: Seconds,
     pub(in crate::ocp) effort: Effort,
+    pub(in crate::ocp) ledger: Ledger,
     watch: Watch<'s>,
-    /// Most programs, those before it included.
+    /// Most programs, those before it included, and those of one motion.
     most_programs: usize,
+    pub(in crate::ocp) of_a_motion: usize,
     /// Of the program that came nearest to a solution.
     failure: Option<Failure>,
     /// Why a program could not be started.
@@ -77,8 +80,10 @@ impl<'s> Runner<'s> {
             counts: Counts::default(),
             seconds: Seconds::default(),
             effort,
+            ledger: Ledger::new(settings),
             watch,
             most_programs: settings.maximum_programs,
+            of_a_motion: settings.maximum_programs,
             failure: None,
             refusal: None,
         }
@@ -106,7 +111,7 @@ impl<'s> Runner<'s> {
 
     /// Grants as many programs as one motion may take, from now on.
     pub(in crate::ocp) fn grant(&mut self) {
-        self.most_programs = self.counts.programs + self.settings.maximum_programs;
+        self.most_programs = self.counts.programs + self.of_a_motion;
     }
 
     /// Takes why a program could not be started.
@@ -153,6 +158,8 @@ impl<'s> Runner<'s> {
         }
         self.counts.programs += 1;
         self.counts.iterations += solution.counts.iterations;
+        let size = solution.x.len() + solution.multipliers.len();
+        self.ledger.spend(solution.counts.iterations, size);
         self.counts.factorizations += solution.counts.factorizations;
         self.seconds += solution.cpu;
         let status = match solution.status {
@@ -174,21 +181,22 @@ impl<'s> Runner<'s> {
         }
     }
 
-    /// Relaxes a complementarity problem whose objective is measured in `unit`; `step` says what for. An error if it could not
-    /// be started.
+    /// Relaxes a complementarity problem whose objective is measured in `unit`; `step` says what for, and how many iterations may restore
+    /// feasibility. An error if it could not be started.
     pub(in crate::ocp) fn relax(
         &mut self,
         program: &mut dyn Mpcc,
         settings: &mpcc::Settings,
-        step: &'static str,
+        (step, restores): (&'static str, usize),
         unit: f64,
     ) -> Ended<mpcc::Solution> {
-        self.watch.begin(step, &self.counts, None, usize::MAX);
+        self.watch.begin(step, &self.counts, None, restores);
         let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let mut solution = mpcc::solve_observed(program, settings, &mut observer)
             .map_err(|error| refused(&mut self.refusal, &error))?;
         self.counts.programs += 1;
         self.counts.global_iterations += solution.iterations;
+        self.ledger.spend(solution.iterations, 2 * solution.x.len());
         self.counts.factorizations += solution.factorizations;
         self.seconds += solution.cpu;
         if let mpcc::Status::Failed(status) = solution.status {

@@ -3,18 +3,15 @@
 use hangtime_solver::Seconds;
 
 use super::optima::{Found, Work, is_as_good, is_confirmed, result, sort};
-use super::run::{Begin, Task, failed, tableaus};
+use super::relaxed::relaxed;
+use super::run::{Begin, Task, failed};
 use super::shared_observer::SharedObserver;
 use super::{known, words};
 use crate::model::Model;
-use crate::ocp::collocation::discretization::{Setting, parabolas};
 use crate::ocp::effort::Effort;
-use crate::ocp::global::guess::guess;
-use crate::ocp::global::time_freezing_search::{candidate, solve_exactly};
-use crate::ocp::problem::{Problem, bounds};
+use crate::ocp::global::time_freezing_search::solve_exactly;
+use crate::ocp::problem::Problem;
 use crate::ocp::program::runner::Runner;
-use crate::ocp::program::units::Units;
-use crate::ocp::scale::Scale;
 use crate::ocp::search::readings::Readings;
 use crate::ocp::settings::{Formulation, Guess, Settings, TimeFreezingSettings};
 use crate::ocp::solution::{Counts, Solution, Source, Status, TimeFreezingReport};
@@ -196,34 +193,20 @@ fn frozen(
     runner: &mut Runner,
     formulation: &TimeFreezingSettings,
 ) -> Result<Solution, InputError> {
-    let (model, problem, settings) = (task.model, task.problem, task.settings);
+    let settings = task.settings;
     if let Guess::Previous(previous) = &settings.guess {
         let solution = known::from_previous(task, runner, previous)?;
         if solution.motion.is_some() {
             return Ok(solution);
         }
     }
-    let (lower, upper) = bounds(model);
-    let bounds = (&lower[..], &upper[..]);
-    let tableaus = tableaus(settings.stages);
-    let tableau = tableaus.first().ok_or_else(|| settings.refuse_stages())?;
-    let parabolas = parabolas(model, &problem.start());
     let ride = (settings.guess != Guess::Ride).then_some(Guess::Ride);
     let (mut report, mut last) = (None, None);
     for kind in std::iter::once(settings.guess.clone()).chain(ride) {
         if runner.stopped() {
             break;
         }
-        let guessed = guess(model, problem, &kind, bounds)?;
-        let units = Units::new(model, &Scale::of(model, problem), &guessed, bounds);
-        let scene = (model, problem);
-        let setting = Setting::new(scene, settings, (tableau, &units), (bounds, &parabolas));
-        let simulated = matches!(kind, Guess::Ride | Guess::Random(_));
-        let failure = runner.take_failure();
-        let relaxed = candidate(runner, setting, formulation, &guessed, simulated)?;
-        let (own, found) = relaxed.unzip();
-        let found = found.flatten();
-        runner.restore_failure(failure, found.is_some());
+        let (own, found) = relaxed(task, runner, formulation, &kind)?;
         report = own.or(report);
         let Some(candidate) = found else {
             continue;

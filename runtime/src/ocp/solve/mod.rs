@@ -8,6 +8,7 @@ mod known;
 mod nearest;
 mod optima;
 mod placing;
+mod relaxed;
 mod run;
 mod searched;
 mod shared_observer;

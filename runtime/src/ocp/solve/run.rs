@@ -89,6 +89,15 @@ impl Task<'_, '_> {
         begin: Begin,
     ) -> Result<Solution, InputError> {
         runner.effort = Effort::Conclude;
+        self.followed(runner, begin)
+    }
+
+    /// The same, where nothing is to be proved without the neighbours.
+    pub(super) fn followed(
+        &self,
+        runner: &mut Runner,
+        begin: Begin,
+    ) -> Result<Solution, InputError> {
         runner.grant();
         let Begin {
             mut candidate,
@@ -189,7 +198,7 @@ impl Task<'_, '_> {
         if attempts
             .best
             .as_ref()
-            .is_some_and(|best| moved(best) == (false, false))
+            .is_some_and(|best| runner.effort.proves() && moved(best) == (false, false))
         {
             stationarity = certificate(runner, &mut attempts)?;
         }

@@ -6,6 +6,7 @@ use hangtime_solver::nlp;
 
 use super::optima::{Found, costs_the_same, is_confirmed, rank, result, sort};
 use super::placing::{Begun, grids, on_grid};
+use super::relaxed;
 use super::run::{Begin, Task, demoted, failed, tableaus};
 use super::shared_observer::SharedObserver;
 use crate::Observer;
@@ -77,7 +78,7 @@ pub(super) fn solve(
             Status::Failed(status) if status != nlp::Status::NotFinite => Status::NotFound,
             status => status,
         };
-        search.add(Solution {
+        search.keep(Solution {
             status,
             final_times: search.final_times,
             ..failed
@@ -165,8 +166,15 @@ impl Search {
         }
     }
 
-    /// Adds what was found.
-    fn add(&mut self, solution: Solution) {
+    /// Adds what was found; beside an incumbent, as that where it is better.
+    fn add(&mut self, runner: &mut Runner, solution: Solution) {
+        if is_confirmed(&solution) {
+            runner.ledger.plan(solution.objective);
+        }
+        self.keep(solution);
+    }
+
+    fn keep(&mut self, solution: Solution) {
         let elapsed = self.clock.as_ref().map(ThreadTime::try_elapsed);
         let elapsed = elapsed.and_then(Result::ok);
         let found = Found {
@@ -212,7 +220,23 @@ impl Search {
         let problems: Vec<Problem> = grids.into_iter().map(problem).collect();
         let on = |problem| Task { problem, ..*task };
         let tasks: Vec<Task> = problems.iter().map(on).collect();
-        self.by_words(&tasks, runner)?;
+        let first = tasks.last().and_then(|task| relaxed::first(task, runner));
+        let (proved, open) = match first {
+            Some(plan) if plan.status == Status::Solved => (Some(plan), None),
+            open => (None, open),
+        };
+        if let Some(plan) = &proved {
+            runner.ledger.lead(plan.objective);
+            self.keep(plan.clone());
+        }
+        self.by_words(&tasks, runner, proved.as_ref())?;
+        // What is not proved is a plan like others: where it is better it is concluded.
+        if let (Some(plan), Some(task)) = (open, tasks.last()) {
+            let better = self.least().is_none_or(|least| plan.objective < least);
+            let leads = is_confirmed(&plan) && better && !runner.stopped();
+            let carried = leads.then(|| task.carry(runner, &plan)).transpose()?;
+            self.keep(carried.unwrap_or(plan));
+        }
         if problems
             .last()
             .is_some_and(|last| last.intervals < intervals)
@@ -240,13 +264,19 @@ impl Search {
     ) -> Result<(), InputError> {
         for found in coarse {
             let solution = task.carry(runner, &found.solution)?;
-            self.add(solution);
+            self.add(runner, solution);
         }
         Ok(())
     }
 
-    /// What the best words lead to on the grids of tasks, one after the other; they are looked for on the first.
-    fn by_words(&mut self, tasks: &[Task], runner: &mut Runner) -> Result<(), InputError> {
+    /// What the best words lead to on the grids of tasks, one after the other; they are looked for on the first. Beside a proved plan on the last
+    /// one, the incumbent, that is the only grid.
+    fn by_words(
+        &mut self,
+        tasks: &[Task],
+        runner: &mut Runner,
+        incumbent: Option<&Solution>,
+    ) -> Result<(), InputError> {
         let Some(Task {
             model,
             problem,
@@ -273,9 +303,11 @@ impl Search {
         let setting = setting(&units);
         let allowed = setting.final_times().allowed(model);
         self.final_times = (allowed.shortest, allowed.longest);
+        let plan = incumbent.and_then(|plan| plan.previous.as_ref());
         let mut turn = 0;
         let (words, goals, motions) = loop {
-            let (begun, goals) = beginnings(runner, (setting, &guessed), (&range, turn))?;
+            let with = (plan, &range, turn);
+            let (begun, goals) = beginnings(runner, (setting, &guessed), with)?;
             let with = (begun.library, goals);
             let words = Words::new(setting, (&coarse, settings), &guessed, with);
             let (words, goals, counts, starts) = words.run(runner, &begun.words);
@@ -293,8 +325,9 @@ impl Search {
         self.bound = reached.map(Timed::merit).reduce(f64::min);
         let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
         let units: Vec<Units> = words.iter().map(own).collect();
-        for (index, task) in tasks.iter().enumerate() {
-            let before = self.coarse();
+        let skipped = incumbent.map_or(0, |_| tasks.len() - 1);
+        for (index, task) in tasks.iter().enumerate().skip(skipped) {
+            let before = incumbent.map_or_else(|| self.coarse(), |_| Vec::new());
             let setting = Setting {
                 problem: task.problem,
                 ..setting
@@ -340,7 +373,7 @@ impl Search {
             let solution = task.conclude(runner, begin)?;
             runner.restore_failure(failure, true);
             if solution.motion.is_some() {
-                self.add(solution);
+                self.add(runner, solution);
             }
         }
         Ok(())
@@ -432,6 +465,9 @@ impl Search {
         let mut refuted = false;
         for (candidate, readings) in candidates {
             let before = candidate.objective;
+            if runner.ledger.is_outdone(before) {
+                continue;
+            }
             let enough = |best: &Solution| {
                 let same = (best.objective - before).abs() <= best.tolerated(OPTIMUM);
                 let open = best.status == Status::Uncertified && same;
@@ -455,7 +491,7 @@ impl Search {
                 let proves = solution.status == Status::Solved && best.status != Status::Solved;
                 rank(&solution) < rank(best) || costs_the_same(&solution, best) && proves
             });
-            self.add(solution.clone());
+            self.add(runner, solution.clone());
             if better {
                 best = Some(solution);
             }
@@ -494,7 +530,7 @@ impl Search {
             if let Some(motion) = solution.motion.as_mut().filter(|_| named) {
                 motion.notes.push(ALIGNED.to_owned());
             }
-            self.add(solution);
+            self.add(runner, solution);
         }
         if !only || self.found.len() > before {
             return Ok(());
@@ -504,7 +540,7 @@ impl Search {
                 && let Some(aligned) = Aligned::of_plan(plan)
                 && let Some(solution) = confirmed(runner, grid, aligned)?
             {
-                self.add(solution);
+                self.add(runner, solution);
             }
         }
         Ok(())

@@ -12,6 +12,7 @@ use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::mode::{closed_mode, is_frictional};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::previous::Previous;
 use crate::ocp::problem::has_free_start;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::replay::simulations;
@@ -24,6 +25,8 @@ use crate::simulation::{ContactMode, InputError};
 
 /// The source whose words come from a contact-implicit program.
 const IMPLICIT: &str = "contact-implicit";
+/// The source whose word is that of a plan on the grid.
+pub(super) const PLAN: &str = "plan";
 
 /// A word to begin with, and the motion that it is of.
 pub(in crate::ocp) struct Beginning {
@@ -42,12 +45,12 @@ pub(in crate::ocp) struct Begun {
     pub(in crate::ocp) motions: Vec<Candidate>,
 }
 
-/// Words to begin with, and the goals as motions miss them; random controls are drawn from a range, other ones at each turn, from 0. Of a
+/// Words to begin with, first that of a plan on the grid, and the goals as motions miss them; random controls are drawn from a range, other ones at each turn, from 0. Of a
 /// known motion there is its own word alone.
 pub(in crate::ocp) fn beginnings(
     runner: &mut Runner,
     (setting, guessed): (Setting, &Trajectory),
-    (range, turn): (&Range, u64),
+    (plan, range, turn): (Option<&Previous>, &Range, u64),
 ) -> Result<(Begun, Goals), InputError> {
     let mut library = Library::default();
     let mut found: Vec<Beginning> = Vec::new();
@@ -77,6 +80,12 @@ pub(in crate::ocp) fn beginnings(
             drafts.push((draft, motion));
         }
     }
+    if let Some(plan) = plan {
+        let trajectory = plan.trajectory(setting.model, setting.problem)?;
+        let intervals = setting.problem.intervals;
+        let word = read(setting, plan.candidate(&trajectory, intervals));
+        learn(&mut library, &mut found, word, PLAN);
+    }
     for (draft, motion) in drafts.iter().take(WORDS) {
         add(&mut found, (draft.clone(), motion.clone()), "sample");
     }
@@ -85,11 +94,7 @@ pub(in crate::ocp) fn beginnings(
     }
     let tolerance = runner.settings.replay_tolerance;
     for candidate in simulations(setting, guessed, tolerance).unwrap_or_default() {
-        let (draft, motion) = read(setting, candidate);
-        library.learn(&draft.word);
-        if draft.word.phases() <= MOST_PHASES {
-            add(&mut found, (draft, motion), "ride");
-        }
+        learn(&mut library, &mut found, read(setting, candidate), "ride");
     }
     let empty = Sequence::without_switches(modes_at_start(setting, guessed));
     let length = guessed.horizon / setting.problem.intervals as f64;
@@ -99,14 +104,14 @@ pub(in crate::ocp) fn beginnings(
         let draft = Draft::read(&sequence, length, guessed.horizon);
         add(&mut found, (draft, guessed.clone()), "steps");
     }
-    found.retain(|beginning| runner.settings.uses(beginning.source));
-    if runner.settings.uses(IMPLICIT)
-        && let Some((draft, motion)) = implicit(runner, setting, guessed)?
+    let uses = |source: &str| source == PLAN || runner.settings.uses(source);
+    found.retain(|beginning| uses(beginning.source));
+    // Where there is a plan already it brings nothing.
+    if plan.is_none()
+        && runner.settings.uses(IMPLICIT)
+        && let Some(word) = implicit(runner, setting, guessed)?
     {
-        library.learn(&draft.word);
-        if draft.word.phases() <= MOST_PHASES {
-            add(&mut found, (draft, motion), IMPLICIT);
-        }
+        learn(&mut library, &mut found, word, IMPLICIT);
     }
     let begun = Begun {
         words: found,
@@ -114,6 +119,19 @@ pub(in crate::ocp) fn beginnings(
         motions,
     };
     Ok((begun, goals))
+}
+
+/// Learns from a word, and adds it where it is short enough.
+fn learn(
+    library: &mut Library,
+    found: &mut Vec<Beginning>,
+    word: (Draft, Trajectory),
+    source: &'static str,
+) {
+    library.learn(&word.0.word);
+    if word.0.word.phases() <= MOST_PHASES {
+        add(found, word, source);
+    }
 }
 
 /// Adds what motions begin with, of that many phases.

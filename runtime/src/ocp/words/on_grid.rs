@@ -109,7 +109,7 @@ impl Grid<'_, '_> {
         'again: while best.is_below || !best.reaches() || best.merit > bound {
             let shifts = self.shifts(&best).into_iter();
             for (places, times) in shifts.chain(nearby.iter().cloned()) {
-                if tried.len() > most || runner.stopped() {
+                if tried.len() > most || runner.stopped() || runner.ledger.is_spent() {
                     break 'again;
                 }
                 if tried.contains(&places) || !is_in_order(&places) {

@@ -1,6 +1,6 @@
 //! Best first: from the words to begin with to better ones by edits, until nothing more is gained.
 
-use super::beginnings::{Beginning, another};
+use super::beginnings::{Beginning, PLAN, another};
 use super::edits::{Parent, RULES, Rule};
 use super::library::Library;
 use super::off_grid::{Fineness, Goals, Timed, solve, solve_around};
@@ -133,9 +133,14 @@ impl<'a, 'r> Words<'a, 'r> {
         beginnings: &[Beginning],
     ) -> (Vec<Timed>, Goals, WordCounts, usize) {
         for beginning in beginnings {
-            self.evaluate(runner, &beginning.draft, &beginning.motion);
+            let index = self.evaluate(runner, &beginning.draft, &beginning.motion);
+            let own = index.filter(|_| beginning.source == PLAN);
+            if let Some(own) = own.filter(|&own| self.solved[own].meets()) {
+                runner.ledger.own_word(self.merit(own));
+            }
         }
         (0..self.solved.len()).for_each(|index| self.push(index));
+        runner.ledger.begin();
         self.edit(runner);
         while self.guessed_anew(runner) {
             self.edit(runner);
@@ -154,6 +159,7 @@ impl<'a, 'r> Words<'a, 'r> {
         while self.drafts < DRAFTS
             && self.drafts - self.last_gain < PATIENCE
             && !runner.stopped()
+            && !runner.ledger.is_spent()
             && let Some(next) = self.next()
         {
             let parent = self.solved[next.parent].clone();
@@ -195,7 +201,9 @@ impl<'a, 'r> Words<'a, 'r> {
             let Some(guess) = another(self.setting, &draft, (self.guesses, tolerance)) else {
                 continue;
             };
-            if runner.stopped() {
+            // As many as are asked for, whatever they bring.
+            let spent = runner.settings.starts.is_none() && runner.ledger.is_spent();
+            if runner.stopped() || spent {
                 return false;
             }
             if let Some(place) = place
@@ -295,6 +303,8 @@ impl<'a, 'r> Words<'a, 'r> {
             if self.solved[index].missed <= MET {
                 let objective = self.solved[index].objective;
                 runner.found(BestMotion::new(draft.word.closings(), objective, false));
+                let merit = self.solved[index].merit;
+                runner.ledger.word(merit);
             }
             seen.won += 1;
             self.best = Some(index);
@@ -500,8 +510,11 @@ impl<'a, 'r> Words<'a, 'r> {
             }
         }
         for timed in kept.iter_mut().take(REFINEMENTS) {
-            if runner.stopped() || !runner.settings.uses("refine") {
+            if runner.stopped() || runner.ledger.is_spent() || !runner.settings.uses("refine") {
                 break;
+            }
+            if runner.ledger.is_hopeless(timed.merit) {
+                continue;
             }
             let with = (self.tableau, REFINED);
             let from = (&timed.draft, &timed.motion);
