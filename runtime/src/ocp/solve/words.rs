@@ -230,10 +230,11 @@ impl Search {
             self.keep(plan.clone());
         }
         self.by_words(&tasks, runner, proved.as_ref())?;
-        // What is not proved is a plan like others: where it is better it is concluded.
-        if let (Some(plan), Some(task)) = (open, tasks.last()) {
-            let better = self.least().is_none_or(|least| plan.objective < least);
-            let leads = is_confirmed(&plan) && better && !runner.stopped();
+        // What is not proved is concluded where it is another plan, and a better one.
+        let least = self.least().unwrap_or(f64::INFINITY);
+        let better = |plan: &Solution| plan.objective + plan.tolerated(MOTION) < least;
+        if let (Some(plan), Some(task)) = (open.filter(better), tasks.last()) {
+            let leads = is_confirmed(&plan) && !runner.stopped();
             let carried = leads.then(|| task.carry(runner, &plan)).transpose()?;
             self.keep(carried.unwrap_or(plan));
         }
