@@ -307,8 +307,7 @@ impl Search {
         let plan = incumbent.and_then(|plan| plan.previous.as_ref());
         let mut turn = 0;
         let (words, goals, motions) = loop {
-            let with = (plan, &range, turn);
-            let (begun, goals) = beginnings(runner, (setting, &guessed), with)?;
+            let (begun, goals) = beginnings(runner, (setting, &guessed), (plan, &range, turn))?;
             let with = (begun.library, goals);
             let words = Words::new(setting, (&coarse, settings), &guessed, with);
             let (words, goals, counts, starts) = words.run(runner, &begun.words);
