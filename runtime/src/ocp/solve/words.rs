@@ -147,7 +147,7 @@ struct Search {
     /// Guesses of the best word, and the words that were tried.
     starts: usize,
     words: WordCounts,
-    /// The least merit of a word that meets its goals.
+    /// The least merit of a word that meets its goals, or of a plan on the grid, which is one off it as well.
     bound: Option<f64>,
     /// Final times that were looked at.
     final_times: (f64, f64),
@@ -232,6 +232,7 @@ impl Search {
         self.by_words(&tasks, runner, proved.as_ref())?;
         // What is not proved is concluded where it is another plan, and a better one.
         let least = self.least().unwrap_or(f64::INFINITY);
+        self.bound = self.bound.map(|bound| bound.min(least));
         let better = |plan: &Solution| plan.objective + plan.tolerated(MOTION) < least;
         if let (Some(plan), Some(task)) = (open.filter(better), tasks.last()) {
             let leads = is_confirmed(&plan) && !runner.stopped();

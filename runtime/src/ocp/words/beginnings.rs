@@ -104,8 +104,7 @@ pub(in crate::ocp) fn beginnings(
         let draft = Draft::read(&sequence, length, guessed.horizon);
         add(&mut found, (draft, guessed.clone()), "steps");
     }
-    let uses = |source: &str| source == PLAN || runner.settings.uses(source);
-    found.retain(|beginning| uses(beginning.source));
+    found.retain(|one| one.source == PLAN || runner.settings.uses(one.source));
     // Where there is a plan already it brings nothing.
     if plan.is_none()
         && runner.settings.uses(IMPLICIT)
