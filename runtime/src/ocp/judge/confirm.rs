@@ -19,7 +19,7 @@ use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
 use crate::ocp::previous::Previous;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
-use crate::ocp::search::repair::certificate;
+use crate::ocp::search::proof::certificate;
 use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::solution::{Margin, Solution, Status};
 use crate::ocp::tuning::candidates::OUTPUTS;
@@ -300,7 +300,7 @@ impl Plan {
             cuts,
             purpose: Purpose::Near,
         };
-        attempts.attempt(runner, attempt)?;
+        attempts.attempt(runner, attempt);
         let Some(again) = &attempts.best else {
             return Ok(None);
         };
@@ -313,7 +313,7 @@ impl Plan {
         {
             self.stationarity
         } else {
-            certificate(runner, &mut attempts)?
+            certificate(runner, &mut attempts)
         };
         Ok(attempts.best.map(|best| (best, stationarity)))
     }

@@ -13,6 +13,34 @@ pub(in crate::ocp) enum Place {
     Inside,
 }
 
+/// A place in the grid, and the time there in intervals, which inside an interval is a guess until solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::ocp) struct At {
+    pub(in crate::ocp) interval: usize,
+    pub(in crate::ocp) place: Place,
+    pub(in crate::ocp) time: f64,
+}
+
+impl At {
+    /// Inside the interval of a time.
+    pub(in crate::ocp) fn inside(time: f64) -> Self {
+        Self {
+            interval: time as usize,
+            place: Place::Inside,
+            time,
+        }
+    }
+
+    /// At the end of that many intervals.
+    pub(in crate::ocp) fn end_of(interval: usize) -> Self {
+        Self {
+            interval,
+            place: Place::Start,
+            time: interval as f64,
+        }
+    }
+}
+
 /// A contact closes, opens, is touched, or changes from one way of sliding to another. A touch is an impact after which
 /// the contact is open again, because it bounces, because it is pulled away, or because the motion passes an edge right there.
 ///
@@ -101,6 +129,25 @@ impl Switch {
         Self {
             passes: true,
             ..Self::inside(contact, false, ContactMode::Open, time)
+        }
+    }
+
+    /// Where it happens.
+    pub(in crate::ocp) fn place(&self) -> At {
+        At {
+            interval: self.interval,
+            place: self.place,
+            time: self.time,
+        }
+    }
+
+    /// The same at another place.
+    pub(in crate::ocp) fn at(&self, to: At) -> Self {
+        Self {
+            interval: to.interval,
+            place: to.place,
+            time: to.time,
+            ..*self
         }
     }
 

@@ -26,7 +26,7 @@ use crate::ocp::motion::sequence::{Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Ended, Run, Runner};
 use crate::ocp::settings::Settings;
-use crate::simulation::{ContactMode, InputError};
+use crate::simulation::ContactMode;
 
 /// Whether a sequence holds the function of a switch at zero that is only passed.
 fn rests_where_none_may(model: &dyn Model, sequence: &Sequence) -> bool {
@@ -118,11 +118,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
     }
 
     /// Solves the program of a sequence with its cuts and keeps it if it is the best.
-    pub(in crate::ocp) fn attempt(
-        &mut self,
-        runner: &mut Runner,
-        attempt: Attempt,
-    ) -> Result<Verdict, InputError> {
+    pub(in crate::ocp) fn attempt(&mut self, runner: &mut Runner, attempt: Attempt) -> Verdict {
         self.attempt_from(runner, attempt, None)
     }
 
@@ -132,10 +128,10 @@ impl<'a, 'e> Attempts<'a, 'e> {
         runner: &mut Runner,
         attempt: Attempt,
         start: Option<Start<'a>>,
-    ) -> Result<Verdict, InputError> {
+    ) -> Verdict {
         let verdict = match rests_where_none_may(self.setting.model, attempt.sequence) {
             true => Verdict::NotBetter(f64::INFINITY),
-            false => self.compare(runner, attempt, start)?,
+            false => self.compare(runner, attempt, start),
         };
         // From now on the best is at least as good as the best is now.
         let known = match (verdict, &self.best) {
@@ -149,7 +145,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             verdict: known,
             only_beside: self.best_objective().filter(|_| undecided),
         });
-        Ok(verdict)
+        verdict
     }
 
     /// What is known of a neighbour of the best from earlier attempts.
@@ -188,7 +184,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
         runner: &mut Runner,
         attempt: Attempt,
         start: Option<Start<'a>>,
-    ) -> Result<Verdict, InputError> {
+    ) -> Verdict {
         let mut cuts = attempt.cuts.to_vec();
         let intervals = self.setting.problem.intervals;
         let mut guess = if attempt.sequence.ends_with_impact(intervals) {
@@ -213,11 +209,11 @@ impl<'a, 'e> Attempts<'a, 'e> {
             };
             let (mut program, first) = match self.first(runner, now, before.as_ref()) {
                 Ok(first) => first,
-                Err(status) => return Ok(verdict_of(status)),
+                Err(status) => return verdict_of(status),
             };
             let least = least_objective(&first);
             if !self.improves(least) {
-                return Ok(Verdict::NotBetter(least));
+                return Verdict::NotBetter(least);
             }
             let mut new = check(&program, &first.x);
             let mut solved = first;
@@ -226,10 +222,10 @@ impl<'a, 'e> Attempts<'a, 'e> {
             if new.is_empty() || behind || last {
                 solved = match second(runner, &mut program, &solved, self.best_objective()) {
                     Ok(second) => second,
-                    Err(status) => return Ok(verdict_of(status)),
+                    Err(status) => return verdict_of(status),
                 };
                 if !self.improves(solved.objective) {
-                    return Ok(Verdict::NotBetter(solved.objective));
+                    return Verdict::NotBetter(solved.objective);
                 }
                 new = check(&program, &solved.x);
                 // What is left after the last round is for the re-simulation to judge.
@@ -246,14 +242,14 @@ impl<'a, 'e> Attempts<'a, 'e> {
                         sequence,
                         cuts,
                     });
-                    return Ok(Verdict::Better);
+                    return Verdict::Better;
                 }
             }
             (guess, sequence) = program.result(&solved.x);
             cuts.extend(new);
             before = Some((program, solved));
         }
-        Ok(Verdict::Undecided)
+        Verdict::Undecided
     }
 
     pub(super) fn best_objective(&self) -> Option<f64> {

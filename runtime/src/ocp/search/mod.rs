@@ -3,19 +3,15 @@
 //! Uses [`global`](super::global) for motions to start from and [`collocation`](super::collocation) for the programs of
 //! sequences.
 
-mod at_nodes;
+mod adjoining;
 pub(in crate::ocp) mod attempt;
-mod edge_neighbours;
-pub(in crate::ocp) mod friction_neighbours;
+mod basins;
+mod held;
 pub(in crate::ocp) mod nearest;
-pub(in crate::ocp) mod neighbours;
 mod policy;
-pub(in crate::ocp) mod pressure;
+mod pressing;
+pub(in crate::ocp) mod proof;
 pub(in crate::ocp) mod readings;
-pub(in crate::ocp) mod repair;
 pub(in crate::ocp) mod replay;
-mod resting;
 pub(in crate::ocp) mod sampled;
-pub(in crate::ocp) mod stationary;
 pub(in crate::ocp) mod throw;
-mod together;

@@ -41,7 +41,7 @@ pub(in crate::ocp) fn attempt_readings(
     if which == Readings::Own {
         // What is to be judged is the plan as it is, whatever other readings make of it.
         let own = (&plan.sequence, &plan.trajectory);
-        attempt_new(runner, attempts, own, Purpose::Near)?;
+        attempt_new(runner, attempts, own, Purpose::Near);
         if attempts.best.is_some() {
             return Ok(());
         }
@@ -54,7 +54,7 @@ pub(in crate::ocp) fn attempt_readings(
         if runner.stopped() || found && (index >= count || which == Readings::Own) {
             break;
         }
-        attempt_new(runner, attempts, (sequence, guess), Purpose::Explore)?;
+        attempt_new(runner, attempts, (sequence, guess), Purpose::Explore);
     }
     Ok(())
 }
@@ -65,10 +65,10 @@ fn attempt_new(
     attempts: &mut Attempts,
     (sequence, guess): (&Sequence, &Trajectory),
     purpose: Purpose,
-) -> Result<(), InputError> {
+) {
     let intervals = attempts.setting.problem.intervals;
     let Some(sequence) = sequence.clone().ordered(intervals) else {
-        return Ok(());
+        return;
     };
     if !attempts.was_tried(&sequence) {
         let attempt = Attempt {
@@ -77,9 +77,8 @@ fn attempt_new(
             cuts: &[],
             purpose,
         };
-        attempts.attempt(runner, attempt)?;
+        attempts.attempt(runner, attempt);
     }
-    Ok(())
 }
 
 /// A candidate, and before it the event-driven motion under its controls.

@@ -8,7 +8,6 @@ use crate::ocp::tuning::equal::OPTIMUM;
 use crate::ocp::tuning::on_grid::{BEYOND, FINE, JUDGED, LEAST, MOVED, MOVED_WITHIN, NEAR, PLACED};
 use crate::ocp::words::off_grid::Timed;
 use crate::ocp::words::on_grid::{Grid, Placed};
-use crate::simulation::InputError;
 
 /// The grids that words are put on, on the way to one with that many intervals: the coarsest and the finest that it contains, or one that is
 /// near. What is found on the first one is a candidate on the next, so that a finer grid ends at nothing worse.
@@ -33,14 +32,10 @@ pub(super) struct Plans {
 }
 
 /// What the best words come to on the grid.
-pub(super) fn on_grid(
-    runner: &mut Runner,
-    words: &[Timed],
-    grids: &[Grid],
-) -> Result<Plans, InputError> {
+pub(super) fn on_grid(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Plans {
     let placed = placed(runner, words, grids);
     let moved = moved(runner, words, placed, grids);
-    let mut plans = solved(runner, &moved, grids)?;
+    let mut plans = solved(runner, &moved, grids);
     if plans.begun.is_empty() {
         // What their motions do otherwise may be a plan where they are none themselves.
         let reached = moved.into_iter().filter(|(placed, _)| placed.reaches());
@@ -49,7 +44,7 @@ pub(super) fn on_grid(
             .map(|(placed, _)| (placed.candidate, Readings::All));
         plans.begun.extend(reached);
     }
-    Ok(plans)
+    plans
 }
 
 /// A word on the grid, and the index of the word, whose units it has.
@@ -100,7 +95,7 @@ fn moved(runner: &mut Runner, words: &[Timed], placed: Vec<OnGrid>, grids: &[Gri
 }
 
 /// The best ones that reach the goals, solved exactly, the best first.
-fn solved(runner: &mut Runner, moved: &[OnGrid], grids: &[Grid]) -> Result<Plans, InputError> {
+fn solved(runner: &mut Runner, moved: &[OnGrid], grids: &[Grid]) -> Plans {
     let mut plans: Vec<Candidate> = Vec::new();
     let mut cost = None;
     for (placed, index) in moved.iter().filter(|(placed, _)| placed.reaches()) {
@@ -115,7 +110,7 @@ fn solved(runner: &mut Runner, moved: &[OnGrid], grids: &[Grid]) -> Result<Plans
             cuts: &[],
             purpose: Purpose::Near,
         };
-        attempts.attempt(runner, attempt)?;
+        attempts.attempt(runner, attempt);
         let least = attempts
             .best
             .as_ref()
@@ -142,8 +137,8 @@ fn solved(runner: &mut Runner, moved: &[OnGrid], grids: &[Grid]) -> Result<Plans
         }
     }
     let begun = plans.into_iter().map(|plan| (plan, Readings::Own));
-    Ok(Plans {
+    Plans {
         begun: begun.collect(),
         cost: cost.unwrap_or(false),
-    })
+    }
 }

@@ -23,8 +23,8 @@ use crate::ocp::program::units::Units;
 use crate::ocp::progress::Watch;
 use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::{Attempts, Local};
+use crate::ocp::search::proof::certificate;
 use crate::ocp::search::readings::{Readings, attempt_readings};
-use crate::ocp::search::repair::certificate;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
 use crate::ocp::tuning::grids::{MORE_STAGES, MOVES, OFF_CENTRE};
@@ -200,7 +200,7 @@ impl Task<'_, '_> {
             .as_ref()
             .is_some_and(|best| runner.effort.proves() && moved(best) == (false, false))
         {
-            stationarity = certificate(runner, &mut attempts)?;
+            stationarity = certificate(runner, &mut attempts);
         }
         let outdone = attempts.outdone.take();
         let Some(best) = attempts.best.take() else {

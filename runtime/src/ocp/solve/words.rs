@@ -398,7 +398,7 @@ impl Search {
                 return self.aligned(runner, found.words, &grids, true);
             }
             runner.effort = Effort::Quick;
-            let plans = on_grid(runner, found.words, &grids)?;
+            let plans = on_grid(runner, found.words, &grids);
             let refuted = self.decided(task, runner, (plans.begun, count))?;
             if task.model.declaration().controls.is_empty() {
                 self.by_phases(runner, found)?;
@@ -536,7 +536,7 @@ impl Search {
         if !only || self.found.len() > before {
             return Ok(());
         }
-        for (plan, _) in on_grid(runner, words, grids)?.begun {
+        for (plan, _) in on_grid(runner, words, grids).begun {
             if let Some(grid) = grids.first()
                 && let Some(aligned) = Aligned::of_plan(plan)
                 && let Some(solution) = confirmed(runner, grid, aligned)?
@@ -577,7 +577,7 @@ fn confirmed(
             mesh: mesh.as_deref(),
             ..grid.setting
         };
-        let Ok(local) = aligned.solved(runner, setting, &spans)? else {
+        let Ok(local) = aligned.solved(runner, setting, &spans) else {
             break;
         };
         let setting = Setting {

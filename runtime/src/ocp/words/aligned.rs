@@ -75,9 +75,9 @@ impl Aligned {
         runner: &mut Runner,
         setting: Setting<'a>,
         spans: &'a [Span],
-    ) -> Result<Result<Local<'a>, Verdict>, InputError> {
+    ) -> Result<Local<'a>, Verdict> {
         let Some(sequence) = self.draft.word.sequence(&self.counts) else {
-            return Ok(Err(Verdict::NotBetter(f64::INFINITY)));
+            return Err(Verdict::NotBetter(f64::INFINITY));
         };
         let (guess, elements) = begun(spans, &self.motion);
         let setting = Setting {
@@ -93,8 +93,8 @@ impl Aligned {
             cuts: &[],
             purpose: Purpose::Near,
         };
-        let verdict = attempts.attempt(runner, attempt)?;
-        Ok(attempts.best.ok_or(verdict))
+        let verdict = attempts.attempt(runner, attempt);
+        attempts.best.ok_or(verdict)
     }
 
     /// Its objective with these spans where goals may be missed, at a high price; `None` where that is not known, infinite without an order.
@@ -150,18 +150,14 @@ pub(in crate::ocp) fn followed<T>(
     let mut known: Vec<Word> = vec![best.word().clone()];
     loop {
         let spans = best.spans(setting, elements);
-        let Ok(local) = best.solved(runner, setting, &spans)? else {
+        let Ok(local) = best.solved(runner, setting, &spans) else {
             return Ok(None);
         };
         let (stationarity, better) = if known.len() > FOLLOWED {
             (Stationarity::None, None)
         } else {
-            compared(
-                runner,
-                setting,
-                (&best, &local, elements, goals),
-                &mut known,
-            )?
+            let plan = (&best, &local, elements, goals);
+            compared(runner, setting, plan, &mut known)
         };
         let Some(better) = better else {
             let own = Setting {
@@ -181,7 +177,7 @@ fn compared(
     setting: Setting,
     (best, local, elements, goals): (&Aligned, &Local, usize, &Goals),
     known: &mut Vec<Word>,
-) -> Result<(Stationarity, Option<Aligned>), InputError> {
+) -> (Stationarity, Option<Aligned>) {
     let objective = local.solution.objective;
     let least = objective - COST * local.program.program.size_of(objective);
     let mut stationarity = Stationarity::B;
@@ -195,15 +191,15 @@ fn compared(
         if merit.is_some_and(|merit| merit >= least) {
             continue;
         }
-        match other.solved(runner, setting, &spans)? {
+        match other.solved(runner, setting, &spans) {
             Ok(found) if found.solution.objective < least => {
-                return Ok((stationarity, Some(other)));
+                return (stationarity, Some(other));
             }
             Err(Verdict::Undecided) => stationarity = Stationarity::None,
             _ => {}
         }
     }
-    Ok((stationarity, None))
+    (stationarity, None)
 }
 
 /// So many intervals divided by lengths, at least one each; `None` where there are fewer of them.
