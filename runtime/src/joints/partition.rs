@@ -26,6 +26,33 @@ pub(crate) fn deciding(
     jacobian: &Jacobian,
     units: &[f64],
 ) -> Vec<Pair> {
+    among(model, joints, jacobian, units, (0..moving(model)).collect()).0
+}
+
+/// How well these components are decided: their pivots, multiplied, as a share of those of the ones that are decided best.
+pub(crate) fn share(
+    model: &dyn Model,
+    joints: JointsDeclaration,
+    jacobian: &Jacobian,
+    units: &[f64],
+    components: &[usize],
+) -> f64 {
+    let best = among(model, joints, jacobian, units, (0..moving(model)).collect());
+    let own = among(model, joints, jacobian, units, components.to_vec());
+    match own.0.len() < best.0.len() {
+        true => 0.0,
+        false => own.1 / best.1,
+    }
+}
+
+/// The equations that are held with those of some components that they decide, and the product of their pivots.
+fn among(
+    model: &dyn Model,
+    joints: JointsDeclaration,
+    jacobian: &Jacobian,
+    units: &[f64],
+    mut free: Vec<usize>,
+) -> (Vec<Pair>, f64) {
     let n = units.len();
     let mut matrix: Vec<Vec<f64>> = (0..jacobian.count)
         .map(|row| {
@@ -43,12 +70,12 @@ pub(crate) fn deciding(
         .collect();
     // Positions first, so that they have the best columns.
     open.sort_by_key(|&row| !kinds[row]);
-    let mut free: Vec<usize> = (0..moving(model)).collect();
-    let mut pairs = Vec::new();
+    let (mut pairs, mut product) = (Vec::new(), 1.0);
     while let Some((place, column)) = largest_pivot(&matrix, &open, &free, &kinds) {
         let row = open.remove(place);
         free.retain(|&other| other != column);
         let pivot = matrix[row].clone();
+        product *= pivot[column].abs();
         for &other in &open {
             eliminate(&mut matrix[other], &pivot, column);
         }
@@ -58,7 +85,7 @@ pub(crate) fn deciding(
             holonomic: kinds[row],
         });
     }
-    pairs
+    (pairs, product)
 }
 
 /// The largest entry in the open rows of one kind, those of positions while there are any: its place among them and its column.

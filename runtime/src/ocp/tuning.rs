@@ -279,6 +279,8 @@ pub(in crate::ocp) mod attempt {
     pub(in crate::ocp) const FIRST_TOLERANCE: f64 = 2e-7;
     /// Most iterations of the second stage. Measured: none of 2500 that came to a solution took more.
     pub(in crate::ocp) const SECOND: usize = 100;
+    /// Share of the largest pivots below which velocities are hardly determined by joints. Chosen: errors grow tenfold.
+    pub(in crate::ocp) const DECIDED: f64 = 0.1;
     /// Rounds of cuts of one sequence. Chosen.
     pub(in crate::ocp) const ROUNDS: usize = 6;
     /// Share of the tolerance to which a result is polished, and most iterations. Measured: 248 of 259 took at most seven, none more than

@@ -49,6 +49,12 @@ impl Decided {
         decided
     }
 
+    /// The coordinates whose velocities joints decide.
+    pub(crate) fn velocities(&self) -> Vec<usize> {
+        let n = self.components.len() / 2;
+        (0..n).filter(|k| self.components[n + k]).collect()
+    }
+
     /// Whether joints decide component `k`.
     pub(crate) fn contains(&self, k: usize) -> bool {
         self.components.get(k).copied().unwrap_or(false)

@@ -140,6 +140,8 @@ pub(in crate::ocp) struct Phase {
     pub(in crate::ocp) between: Vec<(f64, usize, Direction, usize)>,
     /// Contacts that begin to slip at the start with no acceleration.
     pub(in crate::ocp) yielded: Vec<usize>,
+    /// The coordinates whose velocities joints decide.
+    pub(in crate::ocp) decided: Vec<usize>,
     /// The switch at the end inside the interval, as an index into the sequence.
     pub(in crate::ocp) ends_with: Option<usize>,
     /// The contacts that close or are touched at the end.

@@ -78,6 +78,7 @@ pub(super) fn add(builder: &mut Builder, element: &Element) {
     let middle = builder.guess.at(element.time(0.5), true);
     let Setting { model, units, .. } = builder.setting;
     let decided = Decided::at(model, &units.states, &middle, element.time(0.5));
+    phase.decided = decided.velocities();
     for (stage, corrections) in corrections.iter().enumerate() {
         stage_rows(builder, element, &mut phase, (stage, corrections), &decided);
     }
@@ -135,6 +136,7 @@ fn without_stages(builder: &Builder, element: &Element, closed: &[usize]) -> Pha
         settling: Vec::new(),
         between: Vec::new(),
         yielded: element.turns.yielded.clone(),
+        decided: Vec::new(),
         ends_with: element.ends_with,
         closing: [element.closing, element.taking].concat(),
     }

@@ -1,10 +1,12 @@
 //! A solved collocation program as a motion.
 
 use super::layout::{Distance, Phase, SolvedPhase, Tangential};
+use crate::joints::partition::{Jacobian, share};
 use crate::model::Model;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::tuning::attempt::DECIDED;
 use crate::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
 use hangtime_solver::nlp::{self, NlpProblem};
@@ -49,6 +51,31 @@ impl Collocation<'_> {
     /// By how much all goals are missed, in their sizes.
     pub(in crate::ocp) fn missed(&self, point: &[f64]) -> f64 {
         self.missed.iter().map(|&i| point[i].max(0.0)).sum()
+    }
+
+    /// Whether joints are to decide velocities in an element that they hardly determine where the motion went: these may be any, as the differential
+    /// equations in whose place joints stand do not hold them.
+    pub(in crate::ocp) fn is_singular(&self, point: &[f64]) -> bool {
+        let Some(joints) = self.model.declaration().joints else {
+            return false;
+        };
+        let n = self.end.len() / 2;
+        let states = self.phases.iter().zip(self.solved(point));
+        let mut states = states.flat_map(|(phase, solved)| {
+            let ends = [
+                (solved.start, 0),
+                (solved.start + solved.length, solved.inputs.len() - 1),
+            ];
+            ends.map(|(time, input)| (phase, solved.inputs[input].clone(), time))
+        });
+        states.any(|(phase, input, time)| {
+            let units: Vec<f64> = phase.start[n..]
+                .iter()
+                .map(|&i| self.program.unit(i))
+                .collect();
+            let jacobian = Jacobian::at(self.model, joints, &input[..2 * n], time);
+            share(self.model, joints, &jacobian, &units, &phase.decided) < DECIDED
+        })
     }
 
     /// Length of the motion, from physical values.

@@ -334,6 +334,12 @@ impl<'a, 'e> Attempts<'a, 'e> {
                 best: self.best_objective(),
             };
             match runner.solve(&mut program.program, &run) {
+                // From where it ends, with what joints determine there.
+                Ok(solution) if program.is_singular(&solution.x) => {
+                    let (guess, sequence) = program.result(&solution.x);
+                    program = transcribe(self.setting, &sequence, &guess, cuts, self.elements);
+                    status = nlp::Status::RestorationFailed;
+                }
                 Ok(solution) => return Ok((program, solution)),
                 Err(reason) => status = reason,
             }

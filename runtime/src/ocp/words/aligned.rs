@@ -11,7 +11,6 @@ use super::library::Library;
 use super::off_grid::{Goals, Timed, begun, read, solved, spans_with};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::{Lengths, Setting, Span};
-use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -114,9 +113,9 @@ impl Aligned {
             elastic: Some(&goals.sizes),
             ..setting
         };
-        let mut program = transcribe(setting, &sequence, &guess, &[], &elements);
-        let dear = goals.at(DEARER * goals.price?);
-        let solution = solved(runner, &mut program, &dear, (BARRIER, ITERATIONS))?;
+        let mut dear = goals.at(DEARER * goals.price?);
+        let from = (&sequence, &guess, &elements[..]);
+        let (_, solution) = solved(runner, setting, from, &mut dear, (BARRIER, ITERATIONS))?;
         Some(solution.objective)
     }
 

@@ -7,6 +7,7 @@ use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::final_times::FinalTimes;
+use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
@@ -271,9 +272,8 @@ pub(super) fn solve_around(
         ..setting
     };
     let (guess, elements) = begun(&spans, motion);
-    let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
-    goals.begin_at(program.program.objective_size());
-    let solution = solved(runner, &mut program, goals, (BARRIER, ITERATIONS))?;
+    let from = (&sequence, &guess, &elements[..]);
+    let (program, solution) = solved(runner, program_setting, from, goals, (BARRIER, ITERATIONS))?;
     Some(read(&program, &solution, (draft, &counts)))
 }
 
@@ -295,8 +295,30 @@ pub(super) fn begun(spans: &[Span], motion: &Trajectory) -> (Trajectory, Vec<usi
     (guess, elements.collect())
 }
 
-/// The solution with goals that are missed where that is worth its price; without a price none.
-pub(super) fn solved(
+/// The program of a sequence and its solution with goals that are missed where that is worth its price; once more from where it ends where
+/// joints decide what they hardly determine there.
+pub(super) fn solved<'a>(
+    runner: &mut Runner,
+    setting: Setting<'a>,
+    (sequence, guess, elements): (&Sequence, &Trajectory, &[usize]),
+    goals: &mut Goals,
+    with: (f64, usize),
+) -> Option<(Collocation<'a>, nlp::Solution)> {
+    let mut from = (guess.clone(), sequence.clone());
+    for _ in 0..=MOVES {
+        let mut program = transcribe(setting, &from.1, &from.0, &[], elements);
+        goals.begin_at(program.program.objective_size());
+        let solution = at_price(runner, &mut program, goals, with)?;
+        if !program.is_singular(&solution.x) {
+            return Some((program, solution));
+        }
+        from = program.result(&solution.x);
+    }
+    None
+}
+
+/// The solution at the price of the goals; without one none.
+fn at_price(
     runner: &mut Runner,
     program: &mut Collocation,
     goals: &Goals,

@@ -7,7 +7,6 @@
 use super::off_grid::{Goals, Timed, solved};
 use super::word::Word;
 use crate::ocp::collocation::discretization::{Lengths, Setting};
-use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
@@ -308,10 +307,10 @@ impl Grid<'_, '_> {
             elastic: Some(&self.goals.sizes),
             ..self.setting
         };
-        let mut program = transcribe(setting, &sequence, guess, &[], self.elements);
         let with = (BARRIER, ITERATIONS);
         let mut goals = self.goals.clone();
-        let mut solution = solved(runner, &mut program, &goals, with)?;
+        let from = (&sequence, guess, self.elements);
+        let (mut program, mut solution) = solved(runner, setting, from, &mut goals, with)?;
         // What misses, once more where that is dearer, from where it ended.
         for _ in 0..DEARER_ROUNDS {
             let missed = program.missed(&solution.x);
@@ -324,8 +323,8 @@ impl Grid<'_, '_> {
             }
             goals = goals.at(DEARER * goals.price?);
             let (from, ordered) = program.result(&solution.x);
-            let mut again = transcribe(setting, &ordered, &from, &[], self.elements);
-            let Some(other) = solved(runner, &mut again, &goals, with) else {
+            let from = (&ordered, &from, self.elements);
+            let Some((again, other)) = solved(runner, setting, from, &mut goals, with) else {
                 break;
             };
             if again.missed(&other.x) > NO_NEARER * missed {
