@@ -369,8 +369,8 @@ pub struct Solution {
     pub bound: Option<f64>,
     /// Orders of contacts that were tried off the grid.
     pub words: WordCounts,
-    /// Whether the motion is the simulated one of the scene's guess.
-    pub(in crate::ocp) is_guess: bool,
+    /// Whether the motion is a simulated one, of the scene's guess or under random controls.
+    pub(in crate::ocp) is_simulated: bool,
     /// The distinct local optima that the starts ended at, the best first.
     pub optima: Vec<Optimum>,
     /// The first motion that was confirmed and every better one after it, in order.
@@ -434,7 +434,7 @@ impl Solution {
             starts: 0,
             bound: None,
             words: WordCounts::default(),
-            is_guess: false,
+            is_simulated: false,
             optima: Vec::new(),
             improvements: Vec::new(),
         }
@@ -553,9 +553,9 @@ impl Solution {
                     "the {name} holds the plan back by about {cost:.1e}; choose another number of intervals"
                 ))
             }
-            Status::Uncertified if self.is_guess => Some(
-                "no plan was found that is as good as the motion of the scene's own guess, which this is; try more starts or \
-                 another number of intervals"
+            Status::Uncertified if self.is_simulated => Some(
+                "no plan was found that is as good as this motion, which is simulated under the scene's own guess or under random controls; \
+                 try more starts or another number of intervals"
                     .to_owned(),
             ),
             Status::Uncertified if self.disagreement.is_some() => {

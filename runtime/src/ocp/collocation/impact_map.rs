@@ -211,8 +211,8 @@ pub(super) fn close(builder: &mut Builder, instant: &Instant, label: &str, time:
     let of_contacts: Vec<(usize, usize)> = acting.into_iter().zip(impulses).collect();
     provided::in_impact(builder, first, &of_contacts, label);
     touch_rows(builder, instant, label);
-    modes_after(builder, instant);
     builder.state = after;
+    enter(builder, instant);
 }
 
 /// Adds the velocities after an impact; the state after it, and the rows that the impulses act on.

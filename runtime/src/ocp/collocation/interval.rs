@@ -9,6 +9,7 @@ use super::stage_inputs::Elapsed;
 use super::turns::Turns;
 use super::{impact_map, interval_bounds, phase, start_conditions};
 use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::mode::is_condition;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::simulation::ContactMode;
 
@@ -219,6 +220,8 @@ fn switch_at_end(
             ended.closing.push(switch.contact);
         } else if switch.passes {
             ended.passed.push(switch.contact);
+        } else if impact && is_condition(builder.setting.model, switch.contact) {
+            turns.stopping.push(switch.contact);
         } else if !impact && !Sequence::ends_at_edge(switches, index) {
             turns.end(switch, builder.modes[switch.contact], jumps);
         }

@@ -54,7 +54,7 @@ pub(in crate::ocp) fn incumbent(
         elements: vec![settings.elements; setting.problem.intervals],
         previous: Some(Previous::new(candidate.trajectory, candidate.sequence)),
         motion: Some(motion),
-        is_guess: true,
+        is_simulated: true,
         ..Solution::without_motion(Status::Uncertified, Vec::new(), Counts::default())
     }))
 }

@@ -62,38 +62,25 @@ pub(super) fn neighbours(plan: &Pressing) -> Vec<Neighbour> {
     found
 }
 
-impl Pressing<'_, '_> {
-    fn switches(&self) -> &[Switch] {
-        &self.sequence.switches
-    }
+/// The sequence with a switch, and what accompanies it, at another place.
+fn with_moved(plan: &Pressing, index: usize, to: At) -> Neighbour {
+    let companions = Sequence::companions(plan.switches(), index).len();
+    Neighbour::adjoining(plan.with(|switches| {
+        for switch in &mut switches[index..=index + companions] {
+            *switch = switch.at(to);
+        }
+    }))
+}
 
-    /// The sequence with other switches.
-    fn with(&self, edit: impl FnOnce(&mut Vec<Switch>)) -> Sequence {
-        let mut sequence = self.sequence.clone();
-        edit(&mut sequence.switches);
-        sequence
-    }
-
-    /// The sequence with a switch, and what accompanies it, at another place.
-    fn with_moved(&self, index: usize, to: At) -> Neighbour {
-        let companions = Sequence::companions(self.switches(), index).len();
-        Neighbour::adjoining(self.with(|switches| {
-            for switch in &mut switches[index..=index + companions] {
-                *switch = switch.at(to);
-            }
-        }))
-    }
-
-    /// A little before and after the end of an interval.
-    fn beside(node: usize) -> (Option<At>, At) {
-        let time = node as f64;
-        let before = node.checked_sub(1).map(|interval| At {
-            interval,
-            place: Place::Inside,
-            time: time - ENTRY,
-        });
-        (before, At::inside(time + ENTRY))
-    }
+/// A little before and after the end of an interval.
+fn beside(node: usize) -> (Option<At>, At) {
+    let time = node as f64;
+    let before = node.checked_sub(1).map(|interval| At {
+        interval,
+        place: Place::Inside,
+        time: time - ENTRY,
+    });
+    (before, At::inside(time + ENTRY))
 }
 
 /// Without two switches of a contact that are close to each other.
@@ -163,14 +150,14 @@ fn moved(plan: &Pressing) -> Vec<Neighbour> {
             let node = switch.time.round() as usize;
             let offset = switch.time - switch.interval as f64;
             let through = if offset < STUCK {
-                Pressing::beside(switch.interval).0
+                beside(switch.interval).0
             } else if offset > 1.0 - STUCK {
-                Some(Pressing::beside(switch.interval + 1).1)
+                Some(beside(switch.interval + 1).1)
             } else {
                 continue;
             };
             let to = through.into_iter().chain([At::end_of(node)]);
-            found.extend(to.map(|to| plan.with_moved(index, to)));
+            found.extend(to.map(|to| with_moved(plan, index, to)));
         }
     }
     for (index, switch) in leading().filter(|(_, switch)| switch.place == Place::Start) {
@@ -182,7 +169,7 @@ fn moved(plan: &Pressing) -> Vec<Neighbour> {
 /// With a switch at a jump of the controls a little before and after it.
 fn from_jump(plan: &Pressing, index: usize, switch: &Switch) -> Vec<Neighbour> {
     let node = switch.interval;
-    let (Some(before), after) = Pressing::beside(node) else {
+    let (Some(before), after) = beside(node) else {
         return Vec::new();
     };
     let (last, next) = plan.around(index);
@@ -205,13 +192,13 @@ fn from_jump(plan: &Pressing, index: usize, switch: &Switch) -> Vec<Neighbour> {
             true => at_the_edge(plan, phase, switch),
             false => plan.lets_go(phase, phase.stages.last(), switch.contact),
         });
-        presses.then(|| plan.with_moved(index, before))
+        presses.then(|| with_moved(plan, index, before))
     };
     let presses = next.is_some_and(|phase| {
         let mut rows = phase.openings.iter().chain(&phase.pulled);
         rows.any(|&(contact, row)| contact == switch.contact && plan.presses(row))
     });
-    let later = (by_chance || presses).then(|| plan.with_moved(index, after));
+    let later = (by_chance || presses).then(|| with_moved(plan, index, after));
     match by_chance {
         true => earlier.into_iter().chain(later).collect(),
         false => later.into_iter().chain(earlier).collect(),
@@ -232,7 +219,7 @@ fn sooner(plan: &Pressing, index: usize, switch: &Switch, before: At) -> Option<
     if switch.stays() && is_pulled_off(plan, node, switch.contact) {
         let landing = Switch {
             accompanies: false,
-            ..switch.at(Pressing::beside(node).1)
+            ..switch.at(beside(node).1)
         };
         let twice = plan.with(|switches| {
             switches[index] = touch;
@@ -240,7 +227,7 @@ fn sooner(plan: &Pressing, index: usize, switch: &Switch, before: At) -> Option<
         });
         return (!ends).then(|| Neighbour::adjoining(twice));
     }
-    Some(plan.with_moved(index, before))
+    Some(with_moved(plan, index, before))
 }
 
 /// Whether the last force of a phase presses against the edge of the cone beyond which the switch leads.

@@ -69,6 +69,17 @@ impl<'a, 'm> Pressing<'a, 'm> {
         }
     }
 
+    pub(super) fn switches(&self) -> &[Switch] {
+        &self.sequence.switches
+    }
+
+    /// The sequence with other switches.
+    pub(super) fn with(&self, edit: impl FnOnce(&mut Vec<Switch>)) -> Sequence {
+        let mut sequence = self.sequence.clone();
+        edit(&mut sequence.switches);
+        sequence
+    }
+
     /// The end of the motion, in intervals.
     pub(super) fn end(&self) -> f64 {
         self.intervals as f64

@@ -39,6 +39,8 @@ pub(in crate::ocp) struct Sampled {
     pub(in crate::ocp) motions: Vec<Candidate>,
     /// The one without controls, up to where it comes nearest to the goals.
     pub(in crate::ocp) ride: Option<Candidate>,
+    /// The cheapest one that misses nothing.
+    pub(in crate::ocp) meeting: Option<Trajectory>,
     /// What most of the drawn ones miss less of each goal.
     pub(in crate::ocp) units: Vec<f64>,
     /// Size that the cost of most of the best ones does not exceed.
@@ -98,6 +100,10 @@ pub(in crate::ocp) fn best_of_each_order(
     Ok(Sampled {
         motions: best.filter_map(&motion).collect(),
         ride: ride.as_ref().and_then(&motion),
+        meeting: archive
+            .meeting
+            .as_ref()
+            .map(|end| end.throw.over(end.throw.horizon)),
         cost: archive.usual_cost(),
         units: archive.units,
     })
@@ -106,6 +112,8 @@ pub(in crate::ocp) fn best_of_each_order(
 /// The best end of each order.
 pub(super) struct Archive {
     best: BTreeMap<Order, (Rank, End)>,
+    /// The cheapest that misses nothing.
+    meeting: Option<End>,
     /// The orders that only policies have led to.
     by_policy: BTreeSet<Order>,
     /// Units of what is missing.
@@ -142,6 +150,7 @@ pub(super) fn drawn(
     let controls = throws.iter().flat_map(|throw| throw.controls.values());
     let mut archive = Archive {
         best: BTreeMap::new(),
+        meeting: None,
         by_policy: BTreeSet::new(),
         units: units(setting, &all),
         starts: ranges(starts),
@@ -303,6 +312,11 @@ impl Archive {
 
     /// Adds an end if it is the best of its order.
     fn add(&mut self, end: End) {
+        let meets = end.missing.iter().all(|missing| *missing == 0.0);
+        let dearer = |known: &End| known.cost > end.cost;
+        if meets && self.meeting.as_ref().is_none_or(dearer) {
+            self.meeting = Some(end.clone());
+        }
         let rank = self.rank(&end);
         let known = self.best.get(&end.order);
         let better = known.is_none_or(|known| compare(&rank, &known.0).is_lt());
@@ -429,6 +443,7 @@ mod tests {
     #[test]
     fn archive_keeps_the_best_end_of_each_order_and_cost_decides_among_those_that_are_alike() {
         let mut archive = Archive {
+            meeting: None,
             best: BTreeMap::new(),
             by_policy: BTreeSet::new(),
             units: vec![2.0],

@@ -16,8 +16,10 @@ use crate::ocp::effort::Effort;
 use crate::ocp::global::guess::guess;
 use crate::ocp::judge::confirm::{confirm, report};
 use crate::ocp::judge::gradient::gradient;
+use crate::ocp::judge::incumbent::incumbent;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
@@ -149,6 +151,8 @@ struct Search {
     words: WordCounts,
     /// The least merit of a word that meets its goals, or of a plan on the grid, which is one off it as well.
     bound: Option<f64>,
+    /// A simulated motion that meets the goals, on the grid asked for.
+    simulated: Option<Solution>,
     /// Final times that were looked at.
     final_times: (f64, f64),
 }
@@ -162,6 +166,7 @@ impl Search {
             starts: 0,
             words: WordCounts::default(),
             bound: None,
+            simulated: None,
             final_times: (f64::NAN, f64::NAN),
         }
     }
@@ -233,11 +238,14 @@ impl Search {
         // What is not proved is concluded where it is another plan, and a better one.
         let least = self.least().unwrap_or(f64::INFINITY);
         self.bound = self.bound.map(|bound| bound.min(least));
-        let better = |plan: &Solution| plan.objective + plan.tolerated(MOTION) < least;
-        if let (Some(plan), Some(task)) = (open.filter(better), tasks.last()) {
-            let leads = is_confirmed(&plan) && !runner.stopped();
-            let carried = leads.then(|| task.carry(runner, &plan)).transpose()?;
-            self.keep(carried.unwrap_or(plan));
+        for plan in open.into_iter().chain(self.simulated.take()) {
+            let least = self.least().unwrap_or(f64::INFINITY);
+            let better = plan.objective + plan.tolerated(MOTION) < least;
+            if let Some(task) = tasks.last().filter(|_| better) {
+                let leads = is_confirmed(&plan) && !runner.stopped();
+                let carried = leads.then(|| task.carry(runner, &plan)).transpose()?;
+                self.keep(carried.unwrap_or(plan));
+            }
         }
         if problems
             .last()
@@ -279,15 +287,10 @@ impl Search {
         runner: &mut Runner,
         incumbent: Option<&Solution>,
     ) -> Result<(), InputError> {
-        let Some(Task {
-            model,
-            problem,
-            settings,
-            ..
-        }) = tasks.first().copied()
-        else {
+        let Some(first) = tasks.first() else {
             return Ok(());
         };
+        let (model, problem, settings) = (first.model, first.problem, first.settings);
         let (lower, upper) = bounds(model);
         let bounds = (&lower[..], &upper[..]);
         let guessed = guess(model, problem, &settings.guess, bounds)?;
@@ -309,6 +312,9 @@ impl Search {
         let mut turn = 0;
         let (words, goals, motions) = loop {
             let (begun, goals) = beginnings(runner, (setting, &guessed), (plan, &range, turn))?;
+            if let (Some(motion), Some(task)) = (&begun.meeting, tasks.last()) {
+                self.simulate(task, runner, (setting, motion))?;
+            }
             let with = (begun.library, goals);
             let words = Words::new(setting, (&coarse, settings), &guessed, with);
             let (words, goals, counts, starts) = words.run(runner, &begun.words);
@@ -350,6 +356,31 @@ impl Search {
             } else if settings.grid == ControlNodes::Equal {
                 self.simulated(task, runner, &motions)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Keeps a motion that meets its goals under its controls on the grid of a task: no result is worse.
+    fn simulate(
+        &mut self,
+        task: &Task,
+        runner: &mut Runner,
+        (setting, motion): (Setting, &Trajectory),
+    ) -> Result<(), InputError> {
+        let (problem, settings) = (task.problem, task.settings);
+        let controls = motion
+            .controls
+            .resampled(settings.controls, problem.intervals);
+        let driven = Trajectory {
+            controls,
+            ..motion.clone()
+        };
+        let declared = task.model.declaration().optimal_control;
+        let exactly = vec![0.0; declared.map_or(0, |declared| declared.goals.len())];
+        let setting = Setting { problem, ..setting };
+        self.simulated = incumbent(setting, settings, (&driven, &exactly))?;
+        if let Some(found) = &self.simulated {
+            report(runner, found);
         }
         Ok(())
     }

@@ -41,6 +41,8 @@ pub(in crate::ocp) struct Begun {
     pub(in crate::ocp) words: Vec<Beginning>,
     /// What motions went through.
     pub(in crate::ocp) library: Library,
+    /// The cheapest simulated motion that misses nothing.
+    pub(in crate::ocp) meeting: Option<Trajectory>,
     /// Simulated motions on the grid: without controls, and of the best orders.
     pub(in crate::ocp) motions: Vec<Candidate>,
 }
@@ -64,7 +66,7 @@ pub(in crate::ocp) fn beginnings(
         let begun = Begun {
             words: found,
             library,
-            motions,
+            ..Begun::default()
         };
         return Ok((begun, goals));
     }
@@ -115,6 +117,7 @@ pub(in crate::ocp) fn beginnings(
     let begun = Begun {
         words: found,
         library,
+        meeting: sampled.meeting,
         motions,
     };
     Ok((begun, goals))

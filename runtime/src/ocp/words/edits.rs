@@ -9,6 +9,7 @@ use super::word::{Draft, Instant, Word, between, closed_modes, touch};
 use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::start_modes::may_be_closed_at_start;
+use crate::ocp::motion::mode::is_condition;
 use crate::ocp::tuning::edits::{INSERTED, LEFT_OUT, OFTEN, ROOM, TOUCHED, VANISHED, price};
 use crate::ocp::tuning::off_grid::TOLERANCE;
 use crate::simulation::ContactMode;
@@ -175,6 +176,23 @@ impl Parent<'_> {
     }
 }
 
+/// A touch, which leaves no trace in the modes, and conditions at the other end of the phase at one instant.
+fn with_touch(parent: &Parent, phase: usize) -> Option<Draft> {
+    let before = phase.checked_sub(1)?;
+    let instants = parent.word().instants.get(before..=phase)?;
+    let mut all: Instant = instants.iter().flatten().copied().collect();
+    all.sort_by_key(|switch| !switch.closes);
+    for (index, switch) in all.iter_mut().enumerate() {
+        switch.accompanies = index > 0;
+    }
+    let touches = all.iter().filter(|switch| switch.touches()).count();
+    let conditions = all.iter();
+    let conditions = conditions.filter(|switch| is_condition(parent.model(), switch.contact));
+    let both = touches == 1 && conditions.count() + 1 == all.len();
+    let time = parent.draft().times[before];
+    both.then(|| parent.timed_splice((before, phase + 1), &[all], vec![time]))
+}
+
 /// Without any phase of no length: while one is there, a program without another of them is as degenerate as before.
 fn collapse(parent: &Parent) -> Vec<Draft> {
     if parent.vanished().nth(1).is_none() {
@@ -200,6 +218,7 @@ fn vanish(parent: &Parent) -> Vec<Draft> {
     let mut found = Vec::new();
     for phase in parent.vanished() {
         found.extend(as_touch(parent, phase));
+        found.extend(with_touch(parent, phase));
         found.extend(parent.without(phase));
     }
     found
