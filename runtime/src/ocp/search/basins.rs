@@ -339,6 +339,7 @@ mod tests {
         };
         let sooner = warped(&motion, (&given, earlier), 10);
         assert!((sooner.time[2] - 3.5).abs() < 1e-12 && (sooner.time[4] - 6.8).abs() < 1e-12);
+        given.initially[0] = ContactMode::Open;
         given.switches[0] = touch(0, 1.0).at(At::end_of(1));
         assert_eq!(shifted(&given, 10).len(), 1);
         // That of other switches is left as it is.

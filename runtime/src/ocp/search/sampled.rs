@@ -463,6 +463,12 @@ mod tests {
         };
         let (once, twice) = ([(0, true)], [(0, true), (0, true)]);
         archive.add(end(&once, 1.0, -5.0));
+        assert!(archive.meeting.is_none());
+        archive.add(end(&[], 0.0, 8.0));
+        archive.add(end(&[], 0.0, 7.0));
+        archive.add(end(&twice, 0.0, 9.0));
+        assert!(archive.meeting.take().is_some_and(|end| end.cost == 7.0));
+        archive.best.clear();
         archive.add(end(&once, 0.02, 3.0));
         // Further from the goal by less than a twentieth of its unit, and cheaper.
         archive.add(end(&once, 0.08, 2.0));

@@ -238,7 +238,8 @@ impl Search {
         // What is not proved is concluded where it is another plan, and a better one.
         let least = self.least().unwrap_or(f64::INFINITY);
         self.bound = self.bound.map(|bound| bound.min(least));
-        for plan in open.into_iter().chain(self.simulated.take()) {
+        let simulated = self.simulated.take().filter(|_| !self.is_endless());
+        for plan in open.into_iter().chain(simulated) {
             let least = self.least().unwrap_or(f64::INFINITY);
             let better = plan.objective + plan.tolerated(MOTION) < least;
             if let Some(task) = tasks.last().filter(|_| better) {
