@@ -269,10 +269,8 @@ pub(in crate::ocp) mod attempt {
         [(1e-2, usize::MAX), (1e-3, usize::MAX), (1e-1, usize::MAX)];
     /// The same where nothing is to be proved. Measured: of those that are solved from there, 49 of 50 take fewer.
     pub(in crate::ocp) const QUICK: [(f64, usize); 1] = [(1e-2, 130)];
-    /// The same of a neighbour, which starts near its solution, and at last from further away. Chosen.
+    /// The same of a neighbour, which starts near its solution, and at last, where something is claimed about it, from further away. Chosen.
     pub(in crate::ocp) const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
-    /// The same of a sequence about which nothing is claimed. Chosen.
-    pub(in crate::ocp) const EXPLORED: [(f64, usize); 1] = [(1e-4, 60)];
     /// The same after a cut. Chosen.
     pub(in crate::ocp) const AFTER_CUT: (f64, usize) = (1e-5, 80);
     /// Tolerance of the first stage. Chosen: sequences that are worse are left there.

@@ -1,6 +1,6 @@
 //! Contact sequences made from others.
 
-use super::sequence::{Place, Sequence, Switch};
+use super::sequence::{At, Place, Sequence, Switch};
 use crate::simulation::ContactMode;
 
 /// A contact between two flights that is shorter than this many intervals is deleted at the start.
@@ -69,12 +69,7 @@ pub(in crate::ocp) fn ending(given: &Sequence, intervals: usize) -> Option<Seque
     let first = sequence.switches.iter().rposition(|s| !s.accompanies)?;
     let impact = sequence.switches.split_off(first);
     for switch in impact.into_iter().filter(|switch| switch.closes) {
-        sequence.switches.push(Switch {
-            interval: intervals,
-            place: Place::Start,
-            time: intervals as f64,
-            ..switch
-        });
+        sequence.switches.push(switch.at(At::end_of(intervals)));
     }
     Some(sequence)
 }
@@ -94,9 +89,7 @@ pub(in crate::ocp) fn at_interval_ends(given: &Sequence, intervals: usize) -> Op
             switch.closes && inside && distance < NEAR_AN_END
         };
         if leader {
-            switch.interval = end as usize;
-            switch.place = Place::Start;
-            switch.time = end;
+            *switch = switch.at(At::end_of(end as usize));
             any = true;
         }
     }
@@ -163,12 +156,7 @@ pub(in crate::ocp) fn touching_at_edge(given: &Sequence, (i, j): (usize, usize))
     sequence.switches.drain(j..=j + passages.len());
     sequence.switches[i].mode = ContactMode::Open;
     let after = i + 1 + Sequence::companions(&given.switches, i).len();
-    let passages = passages.iter().map(|passage| Switch {
-        interval: landing.interval,
-        place: landing.place,
-        time: landing.time,
-        ..*passage
-    });
+    let passages = passages.iter().map(|passage| passage.at(landing.place()));
     sequence.switches.splice(after..after, passages);
     sequence
 }
@@ -344,12 +332,7 @@ mod tests {
         let closing = switch(true, ContactMode::Frictionless, 1.5);
         let opening = switch(false, ContactMode::Open, 2.5);
         let ended = ending(&sequence(ContactMode::Open, &[closing, opening]), 4);
-        let last = Switch {
-            interval: 4,
-            place: Place::Start,
-            time: 4.0,
-            ..closing
-        };
+        let last = closing.at(At::end_of(4));
         assert_eq!(ended, Some(sequence(ContactMode::Open, &[last])));
         assert_eq!(
             ending(&sequence(ContactMode::Frictionless, &[opening]), 4),
@@ -359,11 +342,7 @@ mod tests {
 
     #[test]
     fn opening_at_a_jump_is_moved_before_it_where_controls_do_not_jump() {
-        let opening = Switch {
-            place: Place::Start,
-            interval: 2,
-            ..switch(false, ContactMode::Open, 2.0)
-        };
+        let opening = switch(false, ContactMode::Open, 2.0).at(At::end_of(2));
         let moved = without_jumps(sequence(ContactMode::Frictionless, &[opening]));
         let expected = Switch {
             place: Place::Inside,

@@ -214,9 +214,7 @@ impl Reader<'_> {
 fn passage(contact: usize, switch: Switch) -> Switch {
     Switch {
         accompanies: true,
-        interval: switch.interval,
-        place: switch.place,
-        ..Switch::passage(contact, switch.time)
+        ..Switch::passage(contact, switch.time).at(switch.place())
     }
 }
 

@@ -369,22 +369,13 @@ mod tests {
             vec![closing, switch(0, true, ContactMode::Frictionless, 0.9)],
             vec![opening],
             vec![closing, switch(0, false, ContactMode::Open, 4.5)],
-            vec![Switch {
-                place: Place::Start,
-                interval: 0,
-                ..closing
-            }],
+            vec![closing.at(At::end_of(0))],
         ] {
             let refused = sequence(&[ContactMode::Open], &switches).ordered(3);
             assert_eq!(refused, None, "{switches:?}");
         }
         // An impact may end the motion, an opening may not.
-        let ending = Switch {
-            interval: 3,
-            time: 3.0,
-            place: Place::Start,
-            ..closing
-        };
+        let ending = closing.at(At::end_of(3));
         let ends = sequence(&[ContactMode::Open], &[ending]).ordered(3);
         assert!(ends.is_some_and(|sequence| sequence.ends_with_impact(3)));
         let opens = Switch {

@@ -8,8 +8,7 @@ use hangtime_solver::nlp;
 
 use crate::model::Model;
 use crate::ocp::tuning::attempt::{
-    AFTER_CUT, EXPLORED, FIRST, FIRST_TOLERANCE, NEIGHBOUR, POLISH, POLISH_ITERATIONS, QUICK,
-    ROUNDS, SECOND,
+    AFTER_CUT, FIRST, FIRST_TOLERANCE, NEIGHBOUR, POLISH, POLISH_ITERATIONS, QUICK, ROUNDS, SECOND,
 };
 use crate::ocp::tuning::equal::ROUNDING;
 use crate::ocp::tuning::freezing::PUSH;
@@ -288,9 +287,9 @@ impl<'a, 'e> Attempts<'a, 'e> {
             // After a cut the motion is a start that others do not better.
             _ if !proves && before.is_some() => &[],
             (None, _) if !proves => &QUICK[..],
-            (None, _) => &FIRST,
-            (Some(_), Purpose::Compare) => &NEIGHBOUR,
-            (Some(_), Purpose::Explore | Purpose::Near) => &EXPLORED,
+            (None, _) => &FIRST[..],
+            (Some(_), Purpose::Compare) => &NEIGHBOUR[..],
+            (Some(_), Purpose::Explore | Purpose::Near) => &NEIGHBOUR[..1],
         };
         let compares = purpose == Purpose::Compare;
         let near = self.best.as_ref().filter(|_| compares);

@@ -6,12 +6,15 @@
 mod adjoining;
 pub(in crate::ocp) mod attempt;
 mod basins;
-mod held;
 pub(in crate::ocp) mod nearest;
+mod neighbour;
+mod passing;
 mod policy;
 mod pressing;
 pub(in crate::ocp) mod proof;
 pub(in crate::ocp) mod readings;
+mod released;
 pub(in crate::ocp) mod replay;
 pub(in crate::ocp) mod sampled;
+mod sliding;
 pub(in crate::ocp) mod throw;

@@ -126,13 +126,6 @@ impl<'a, 'm> Pressing<'a, 'm> {
         own.any(|switch| (switch.time - time).abs() < NEAR)
     }
 
-    /// When the next of these contacts switches after a time, in intervals; infinite if none does.
-    pub(super) fn after(switches: &[Switch], contacts: &[usize], time: f64) -> f64 {
-        let own = switches.iter().filter(|s| contacts.contains(&s.contact));
-        let mut later = own.map(|s| s.time).filter(|&then| then > time);
-        later.next().unwrap_or(f64::INFINITY)
-    }
-
     /// Whether a contact that is struck is open again right after it.
     pub(super) fn bounces(&self, contact: usize) -> bool {
         self.program.model.restitution(contact) > 0.0

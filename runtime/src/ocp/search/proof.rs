@@ -2,11 +2,12 @@
 
 use hangtime_solver::mpcc::Stationarity;
 
-use super::adjoining::{Neighbour, neighbours};
+use super::adjoining::neighbours;
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::basins::{basins, warped};
-use super::held::{Held, Insertion, held, learn_together};
+use super::neighbour::Neighbour;
 use super::pressing::Pressing;
+use super::released::{Held, Insertion, held, learn_together};
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;

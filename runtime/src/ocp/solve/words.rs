@@ -27,10 +27,11 @@ use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::Local;
 use crate::ocp::search::readings::Readings;
 use crate::ocp::search::sampled::drawing_range;
+use crate::ocp::search::throw::{End, Throw, ends};
 use crate::ocp::settings::{ControlNodes, Guess, Settings};
 use crate::ocp::solution::{Solution, Source, Status, WordCounts};
 use crate::ocp::tuning::beginnings::TURNS;
-use crate::ocp::tuning::equal::{MOTION, OPTIMUM};
+use crate::ocp::tuning::equal::{COST, MOTION, OPTIMUM};
 use crate::ocp::tuning::grids::{ELEMENTS_OF_ONE, FINER, KEPT};
 use crate::ocp::tuning::off_grid::STAGES;
 use crate::ocp::tuning::on_grid::{BEYOND, FINEST, NEAR, PLACED, SIMULATED};
@@ -235,13 +236,14 @@ impl Search {
             self.keep(plan.clone());
         }
         self.by_words(&tasks, runner, proved.as_ref())?;
-        // What is not proved is concluded where it is another plan, and a better one.
+        // What is not proved is concluded where it is another plan, and a better one; what was simulated is no plan, but no result is worse.
         let least = self.least().unwrap_or(f64::INFINITY);
         self.bound = self.bound.map(|bound| bound.min(least));
         let simulated = self.simulated.take().filter(|_| !self.is_endless());
-        for plan in open.into_iter().chain(simulated) {
+        let open = open.map(|plan| (plan, MOTION));
+        for (plan, share) in open.into_iter().chain(simulated.map(|found| (found, COST))) {
             let least = self.least().unwrap_or(f64::INFINITY);
-            let better = plan.objective + plan.tolerated(MOTION) < least;
+            let better = plan.objective + plan.tolerated(share) < least;
             if let Some(task) = tasks.last().filter(|_| better) {
                 let leads = is_confirmed(&plan) && !runner.stopped();
                 let carried = leads.then(|| task.carry(runner, &plan)).transpose()?;
@@ -361,7 +363,7 @@ impl Search {
         Ok(())
     }
 
-    /// Keeps a motion that meets its goals under its controls on the grid of a task: no result is worse.
+    /// Keeps a motion that meets its goals, bounds and path constraints with its controls on the grid of a task as well, if it is the cheapest.
     fn simulate(
         &mut self,
         task: &Task,
@@ -369,19 +371,25 @@ impl Search {
         (setting, motion): (Setting, &Trajectory),
     ) -> Result<(), InputError> {
         let (problem, settings) = (task.problem, task.settings);
-        let controls = motion
-            .controls
-            .resampled(settings.controls, problem.intervals);
-        let driven = Trajectory {
-            controls,
-            ..motion.clone()
-        };
-        let declared = task.model.declaration().optimal_control;
-        let exactly = vec![0.0; declared.map_or(0, |declared| declared.goals.len())];
         let setting = Setting { problem, ..setting };
-        self.simulated = incumbent(setting, settings, (&driven, &exactly))?;
-        if let Some(found) = &self.simulated {
-            report(runner, found);
+        let controls = &motion.controls;
+        let throw = Throw {
+            start: motion.states[0].clone(),
+            controls: controls.resampled(settings.controls, problem.intervals),
+            horizon: motion.horizon,
+        };
+        let ends = ends(setting, &throw, throw.horizon, usize::MAX);
+        let meets = |end: &End| end.missing.iter().all(|missing| *missing == 0.0);
+        let Some(end) = ends.last().filter(|end| meets(end)) else {
+            return Ok(());
+        };
+        let exactly = vec![0.0; end.missing.len()];
+        let found = incumbent(setting, settings, (&throw.over(throw.horizon), &exactly))?;
+        let known = self.simulated.as_ref();
+        let least = known.map_or(f64::INFINITY, |known| known.objective);
+        if let Some(found) = found.filter(|found| found.objective < least) {
+            report(runner, &found);
+            self.simulated = Some(found);
         }
         Ok(())
     }

@@ -20,11 +20,11 @@ use crate::ocp::tuning::on_grid::{
 use crate::rk::ButcherTableau;
 
 /// Where the switches of an instant are: in an interval, or at its start.
-type At = (usize, Place);
+type Slot = (usize, Place);
 
 /// A word on the grid, solved with these places.
 pub(in crate::ocp) struct Placed {
-    places: Vec<At>,
+    places: Vec<Slot>,
     /// Of the instants, in intervals.
     times: Vec<f64>,
     pub(in crate::ocp) merit: f64,
@@ -77,7 +77,7 @@ impl Grid<'_, '_> {
         let [inside, at_jumps] =
             [false, true].map(|at_jumps| places(self.setting, timed, at_jumps));
         let differs = at_jumps != inside && runner.settings.uses("at-jumps");
-        let mut placed = |places: &[At]| {
+        let mut placed = |places: &[Slot]| {
             let going_on = !runner.stopped();
             going_on.then(|| self.placed(runner, timed, (places, &times), &trajectory, None))?
         };
@@ -98,7 +98,7 @@ impl Grid<'_, '_> {
         placed: Placed,
     ) -> Placed {
         let mut best = placed;
-        let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
+        let mut tried: Vec<Vec<Slot>> = vec![best.places.clone()];
         let bound = timed.merit() + NEAR * timed.merit().abs();
         let nearby = match runner.settings.uses("near") {
             true => self.nearby(timed),
@@ -130,7 +130,7 @@ impl Grid<'_, '_> {
     }
 
     /// Places of all instants, the nearest to the times off the grid first: in their intervals, at the ends of these, and in the next ones.
-    fn nearby(&self, timed: &Timed) -> Vec<(Vec<At>, Vec<f64>)> {
+    fn nearby(&self, timed: &Timed) -> Vec<(Vec<Slot>, Vec<f64>)> {
         let intervals = self.setting.problem.intervals;
         let horizon = timed.motion.horizon;
         let count = timed.draft.times.len();
@@ -157,7 +157,7 @@ impl Grid<'_, '_> {
     }
 
     /// Single instants an interval earlier and later, and then with all behind them.
-    fn shifts(&self, placed: &Placed) -> Vec<(Vec<At>, Vec<f64>)> {
+    fn shifts(&self, placed: &Placed) -> Vec<(Vec<Slot>, Vec<f64>)> {
         let intervals = self.setting.problem.intervals as isize;
         let count = placed.places.len();
         let mut found = Vec::new();
@@ -223,7 +223,7 @@ impl Grid<'_, '_> {
         placed: Placed,
     ) -> Placed {
         let mut best = placed;
-        let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
+        let mut tried: Vec<Vec<Slot>> = vec![best.places.clone()];
         let mut moves = 0;
         'again: while moves < MOVES {
             for (instant, to) in self.moves(&best) {
@@ -253,7 +253,7 @@ impl Grid<'_, '_> {
     }
 
     /// Other places of single instants, those first that press on an end of their interval.
-    fn moves(&self, placed: &Placed) -> Vec<(usize, At)> {
+    fn moves(&self, placed: &Placed) -> Vec<(usize, Slot)> {
         let intervals = self.setting.problem.intervals;
         let (mut pressing, mut others) = (Vec::new(), Vec::new());
         for (instant, (&(interval, place), &time)) in
@@ -263,7 +263,7 @@ impl Grid<'_, '_> {
                 continue;
             }
             let share = time - interval as f64;
-            let mut push = |presses: bool, at: At| {
+            let mut push = |presses: bool, at: Slot| {
                 let inside = at.0 < intervals && (at.0 > 0 || at.1 == Place::Inside);
                 let list = if presses { &mut pressing } else { &mut others };
                 list.extend(inside.then_some((instant, at)));
@@ -294,7 +294,7 @@ impl Grid<'_, '_> {
         &self,
         runner: &mut Runner,
         timed: &Timed,
-        (places, times): (&[At], &[f64]),
+        (places, times): (&[Slot], &[f64]),
         guess: &Trajectory,
         best: Option<&Placed>,
     ) -> Option<Placed> {
@@ -357,14 +357,14 @@ impl Grid<'_, '_> {
 /// Places of the first instants, their times in intervals, and how far they are from the times off the grid in all.
 #[derive(Default)]
 struct Near {
-    places: Vec<At>,
+    places: Vec<Slot>,
     times: Vec<f64>,
     distance: f64,
 }
 
 impl Near {
     /// The same with one more, so far from its time; none where that comes before the last one.
-    fn and(&self, at: At, time: f64, distance: f64) -> Option<Self> {
+    fn and(&self, at: Slot, time: f64, distance: f64) -> Option<Self> {
         let last = self.places.last();
         let twice = at.1 == Place::Start && last == Some(&at);
         (!twice && last.is_none_or(|last| *last <= at)).then(|| Self {
@@ -376,7 +376,7 @@ impl Near {
 }
 
 /// Where an instant may be whose time, in intervals, is that.
-fn choices(time: f64, intervals: usize) -> Vec<(At, f64)> {
+fn choices(time: f64, intervals: usize) -> Vec<(Slot, f64)> {
     let own = (time.max(0.0) as usize).min(intervals - 1);
     let inside = |interval: usize| {
         let begin = interval as f64;
@@ -396,7 +396,7 @@ fn choices(time: f64, intervals: usize) -> Vec<(At, f64)> {
 }
 
 /// The sequence of a word with its instants at these places; `None` where that is no order.
-fn sequence(word: &Word, places: &[At], times: &[f64], intervals: usize) -> Option<Sequence> {
+fn sequence(word: &Word, places: &[Slot], times: &[f64], intervals: usize) -> Option<Sequence> {
     let mut switches: Vec<Switch> = Vec::new();
     for (instant, (&(interval, place), &time)) in word.instants.iter().zip(places.iter().zip(times))
     {
@@ -416,7 +416,7 @@ fn sequence(word: &Word, places: &[At], times: &[f64], intervals: usize) -> Opti
 }
 
 /// The interval of each instant, or its nearest end where the controls jump there; an impact that ends the motion is at its end.
-fn places(setting: Setting, timed: &Timed, at_jumps: bool) -> Vec<At> {
+fn places(setting: Setting, timed: &Timed, at_jumps: bool) -> Vec<Slot> {
     let intervals = setting.problem.intervals;
     let n = setting.problem.q.len();
     let (lower, upper) = setting.bounds;
@@ -456,13 +456,13 @@ fn places(setting: Setting, timed: &Timed, at_jumps: bool) -> Vec<At> {
     )
 }
 
-fn is_in_order(places: &[At]) -> bool {
+fn is_in_order(places: &[Slot]) -> bool {
     places.windows(2).all(|pair| pair[0] <= pair[1])
 }
 
 /// Places none of which is before the one before it; of two at one end the later one is inside the interval.
-fn in_order(places: Vec<At>, intervals: usize) -> Vec<At> {
-    let mut all: Vec<At> = Vec::with_capacity(places.len());
+fn in_order(places: Vec<Slot>, intervals: usize) -> Vec<Slot> {
+    let mut all: Vec<Slot> = Vec::with_capacity(places.len());
     for mut place in places {
         if let Some(&last) = all.last() {
             place = place.max(last);

@@ -2,7 +2,7 @@
 
 use crate::model::{Model, Pieces};
 use crate::ocp::motion::mode::{closed_mode, is_frictional, is_passed};
-use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::motion::sequence::{At, Sequence, Switch};
 use crate::ocp::tuning::equal::INSTANT;
 use crate::simulation::ContactMode;
 
@@ -74,12 +74,7 @@ impl Word {
         let mut switches = Vec::new();
         for instant in &self.instants {
             let interval = ends.next()?;
-            switches.extend(instant.iter().map(|switch| Switch {
-                interval,
-                place: Place::Start,
-                time: interval as f64,
-                ..*switch
-            }));
+            switches.extend(instant.iter().map(|switch| switch.at(At::end_of(interval))));
         }
         let total = counts.iter().sum();
         self.with_switches(switches).ordered(total)
@@ -102,12 +97,7 @@ impl Draft {
         let mut times: Vec<f64> = Vec::new();
         for switch in &sequence.switches {
             let time = (switch.time * interval).min(horizon);
-            let plain = Switch {
-                interval: 0,
-                place: Place::Start,
-                time: 0.0,
-                ..*switch
-            };
+            let plain = switch.at(At::end_of(0));
             let last = times.last().copied();
             let joins = last.is_some_and(|last| time - last <= INSTANT * horizon)
                 && (switch.accompanies || instants.last().is_some_and(|i| may_join(i, switch)));
@@ -195,9 +185,7 @@ pub(super) fn between(before: &[ContactMode], after: &[ContactMode]) -> Instant 
         let closes = before[contact].is_open();
         Switch {
             accompanies,
-            interval: 0,
-            place: Place::Start,
-            ..Switch::inside(contact, closes, after[contact], 0.0)
+            ..Switch::inside(contact, closes, after[contact], 0.0).at(At::end_of(0))
         }
     };
     let closing: Vec<usize> = changed().filter(|&i| before[i].is_open()).collect();
@@ -226,10 +214,7 @@ pub(super) fn between(before: &[ContactMode], after: &[ContactMode]) -> Instant 
 
 /// A touch of an open contact.
 pub(super) fn touch(contact: usize, impulse: ContactMode) -> Instant {
-    vec![Switch {
-        place: Place::Start,
-        ..Switch::touch(contact, impulse, 0.0)
-    }]
+    vec![Switch::touch(contact, impulse, 0.0).at(At::end_of(0))]
 }
 
 #[cfg(test)]
