@@ -36,14 +36,10 @@ impl Ledger {
         self.work += iterations as f64 * size as f64;
     }
 
-    /// From here on patience counts.
-    pub(in crate::ocp) fn begin(&mut self) {
-        self.gained = self.work;
-    }
-
     /// A proved plan on the grid, from which on others are measured by it.
     pub(in crate::ocp) fn lead(&mut self, objective: f64) {
         self.incumbent = objective;
+        self.gained = self.work;
     }
 
     /// A confirmed plan on the grid, beside an incumbent.
@@ -83,9 +79,9 @@ impl Ledger {
                 || well_placed && !is_less(merit, self.own, OPTIMUM))
     }
 
-    /// Whether a plan on the grid costs more than the incumbent.
+    /// Whether a plan on the grid costs no less than the incumbent.
     pub(in crate::ocp) fn is_outdone(&self, objective: f64) -> bool {
-        objective > self.incumbent + OPTIMUM * self.incumbent.abs()
+        !is_less(objective, self.incumbent, OPTIMUM) && self.incumbent.is_finite()
     }
 
     /// Whether there is an incumbent, and the work since the last gain has exhausted the patience.

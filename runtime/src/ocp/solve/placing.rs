@@ -63,7 +63,8 @@ fn placed(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Vec<OnGrid> {
         let reached = placed.iter().find(|(best, _)| best.reaches());
         let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
         let enough = index >= PLACED && least.is_finite();
-        if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
+        let hopeless = runner.ledger.is_hopeless(word.merit());
+        if enough || hopeless || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
             continue;
         }
         if let Some(best) = grid.rounded(runner, word) {
@@ -101,6 +102,9 @@ fn solved(runner: &mut Runner, moved: &[OnGrid], grids: &[Grid]) -> Plans {
     for (placed, index) in moved.iter().filter(|(placed, _)| placed.reaches()) {
         if plans.len() >= JUDGED || runner.stopped() {
             break;
+        }
+        if runner.ledger.is_outdone(placed.merit) {
+            continue;
         }
         let grid = &grids[*index];
         let mut attempts = Attempts::new(grid.setting, grid.elements);

@@ -140,7 +140,6 @@ impl<'a, 'r> Words<'a, 'r> {
             }
         }
         (0..self.solved.len()).for_each(|index| self.push(index));
-        runner.ledger.begin();
         self.edit(runner);
         while self.guessed_anew(runner) {
             self.edit(runner);
