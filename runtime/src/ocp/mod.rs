@@ -5,7 +5,7 @@
 //! starts where the one before it ended:
 //!
 //! ```text
-//! sources        simulated motions under random controls and policies, a contact-implicit program: words, orders of contact modes
+//! sources        simulated motions under random controls and policies, a time-freezing program: words, orders of contact modes
 //! words          the program of a word has a phase of free length for each mode; goals may be missed at a price
 //! edits          solved words are made into others where they press, best first
 //! places         the best words on the grid: each switch in one of the intervals, or at an end of one
@@ -41,7 +41,7 @@
 //! judge        re-simulation of a plan, and finer grids where it does not agree
 //! words        orders of contact modes with phases of free length
 //! search       simulated motions; contact sequences on a grid: attempts, neighbours, repair
-//! global       motions to start from: guesses, contact-implicit programs, time-freezing
+//! global       motions to start from: guesses, time-freezing programs
 //! collocation  the program of high order with a given contact sequence
 //! program      sparse programs of model functions, their units, and the door to the solvers
 //! motion       trajectories, controls, contact modes and sequences

@@ -59,8 +59,8 @@ pub const RULES: [Rule; 23] = [
     rule(Source, "steps", "Steps of feet that stand at the start."),
     rule(
         Source,
-        "contact-implicit",
-        "The motion of a complementarity problem with Euler steps.",
+        "relaxed",
+        "The motions of time-freezing programs on the coarsest grid, from the guess and from its simulation.",
     ),
     rule(
         Source,

@@ -238,12 +238,6 @@ pub struct Settings {
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land. Of gaps that are measured in a smaller unit
     /// than that of the scene, as they are all far smaller, it is that share.
     pub gap_margin: f64,
-    /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1. With few intervals
-    /// there are more.
-    pub(crate) refined_elements: usize,
-    /// First barrier parameter of the contact-implicit programs; default 0.1, > 0. The larger, the farther contacts act at
-    /// first.
-    pub(crate) first_barrier: f64,
     /// Most programs, those of the global phase included; default 200.
     pub maximum_programs: usize,
     /// Most iterations of one program; default 500. Programs of the search of which few are solved that late end sooner.
@@ -278,8 +272,6 @@ impl Default for Settings {
             path_points: PathPoints::default(),
             tolerance: 1e-9,
             gap_margin: 1e-5,
-            refined_elements: 4,
-            first_barrier: 0.1,
             maximum_programs: 200,
             maximum_iterations: 500,
             replay_tolerance: 1e-9,

@@ -2,8 +2,6 @@
 
 use super::collocation::discretization::{Setting, parabolas};
 use super::collocation::transcribe::transcribe;
-use super::global::coarse_to_fine::refined_elements;
-use super::global::contact_implicit::ContactImplicit;
 use super::global::guess::guess;
 use super::global::start_modes::modes_at_start;
 use super::global::time_freezing::TimeFreezing;
@@ -111,16 +109,6 @@ fn phases(
     let scene = (model, problem);
     let setting = Setting::new(scene, settings, (&tableau, &units), (bounds, &parabolas));
     let declaration = model.declaration();
-    let per_interval = refined_elements(settings, problem.intervals);
-    let coarse = ContactImplicit::new(setting, per_interval, &guessed);
-    let contact_implicit = FormulationSize {
-        formulation: "optimal control, contact-implicit program".to_owned(),
-        discretization: format!(
-            "implicit Euler, {} intervals x {per_interval} elements",
-            problem.intervals
-        ),
-        groups: groups(&coarse.program, declaration),
-    };
     let ridden = simulated(setting, &guessed, settings.replay_tolerance)?;
     let sequence = Sequence::without_switches(modes_at_start(setting, &guessed));
     let sequence = with_passages(model, sequence, &guessed, false);
@@ -144,5 +132,5 @@ fn phases(
         ),
         groups: groups(&fine.program, declaration),
     };
-    Ok(vec![contact_implicit, collocation])
+    Ok(vec![collocation])
 }

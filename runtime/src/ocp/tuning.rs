@@ -72,8 +72,7 @@ pub(in crate::ocp) mod off_grid {
     pub(in crate::ocp) const ROUNDED: f64 = 0.3;
     /// By how much an element may become longer: what happens between the stages of longer ones is anybody's guess. Chosen.
     pub(in crate::ocp) const LONGEST: f64 = 1.5;
-    /// Tolerance of a program of which the order of contacts is read, off the grid and of the first contact-implicit ones; relative gain,
-    /// and share of all presses, below which there is none. Chosen: words differ by more.
+    /// Tolerance of a program of which the order of contacts is read; relative gain, and share of all presses, below which there is none. Chosen: words differ by more.
     pub(in crate::ocp) const TOLERANCE: f64 = 1e-4;
     /// First barrier parameter. Chosen: guesses are far from solutions.
     pub(in crate::ocp) const BARRIER: f64 = 1e-2;
@@ -337,24 +336,8 @@ pub(in crate::ocp) mod candidates {
     pub(in crate::ocp) const AT_ONCE: f64 = 1e-3;
 }
 
-/// Contact-implicit programs, and guesses that they start from.
-pub(in crate::ocp) mod relaxed {
-    use hangtime_solver::mpcc::RelaxationRule;
-
-    /// Last relaxation of the first programs, and, in its unit, the gap that a contact at the start of free initial values may be held off by
-    /// it. Chosen: their contact sequences are read, not their motions.
-    pub(in crate::ocp) const COARSE_LAST: f64 = 1e-3;
-    /// The same of the refined ones, and their first barrier parameter. Chosen: they start at solutions of the first ones.
-    pub(in crate::ocp) const FINE_RELAXED: f64 = 1e-6;
-    pub(in crate::ocp) const FINE_BARRIER: f64 = 1e-4;
-    /// Elements an interval of the first programs, and the rules that relax them. Chosen: they differ in the local optima that they end at.
-    pub(in crate::ocp) const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
-        (1, RelaxationRule::Proportional),
-        (2, RelaxationRule::Continuation),
-        (2, RelaxationRule::RollOff),
-    ];
-    /// Least number of elements of the motion in the coarsest program. Chosen.
-    pub(in crate::ocp) const LEAST_ELEMENTS: usize = 24;
+/// Guesses that programs start from.
+pub(in crate::ocp) mod guesses {
     /// Exponent of the factor by which the horizon of a perturbed guess is changed at random. Chosen.
     pub(in crate::ocp) const PERTURBED_TIME: f64 = 0.15;
     /// By how much a guess is perturbed: controls, as a share of their range, or of their natural size where they have none, and
@@ -380,7 +363,7 @@ pub(in crate::ocp) mod freezing {
     pub(in crate::ocp) const ITERATIONS: usize = 1500;
     pub(in crate::ocp) const FIRST: usize = 120;
     /// Most programs in which the plan that this leads to is proved. Chosen: beyond that the search does without it.
-    pub(in crate::ocp) const PROVED: usize = 40;
+    pub(in crate::ocp) const PROVED: usize = 100;
     /// Shortest way to a goal, in the unit of its coordinate, beside which it begins so. Chosen: well above the tolerance of the program.
     pub(in crate::ocp) const SHORT: f64 = 1e-3;
     /// Tolerances of the exact program: its rows hold to the first one; where multipliers are not determined by it, its objective is

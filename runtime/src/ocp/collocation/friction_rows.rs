@@ -308,7 +308,6 @@ mod tests {
     use crate::ocp::collocation::layout::{Cut, CutKind};
     use crate::ocp::collocation::test_scene::with_setting;
     use crate::ocp::collocation::transcribe::transcribe;
-    use crate::ocp::global::contact_implicit::ContactImplicit;
     use crate::ocp::motion::control_grid::ControlShape;
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::Problem;
@@ -468,12 +467,6 @@ mod tests {
             phase: (phase, 3),
             theta: 0.3,
             kind,
-        });
-        let with = (ControlShape::Constant, 3, Guess::Perturbed(3));
-        with_setting((model, &problem), with, |setting, guessed| {
-            let mut coarse = ContactImplicit::new(setting, 2, guessed);
-            let compared = check_derivatives(&mut coarse.program, None).unwrap();
-            assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
         });
         for shape in [ControlShape::Constant, ControlShape::Linear] {
             let with = (shape, 3, Guess::Perturbed(3));

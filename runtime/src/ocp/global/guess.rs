@@ -8,7 +8,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Guess;
 use crate::ocp::tuning::candidates::SAMPLES;
-use crate::ocp::tuning::relaxed::{OF_RANGE, OF_SIZE, OF_WAY, PERTURBED_TIME};
+use crate::ocp::tuning::guesses::{OF_RANGE, OF_SIZE, OF_WAY, PERTURBED_TIME};
 use crate::simulation::{EventDriven, InputError, simulate_once};
 
 /// The start of the global phase.

@@ -1,11 +1,8 @@
-//! Motions to start a search from: made from model and problem alone, from small contact-implicit programs, or from the
-//! time-freezing system.
+//! Motions to start a search from: made from model and problem alone, or from the time-freezing system.
 //!
 //! Uses [`collocation`](super::collocation) for what stays the same over all programs on a grid, and the layers below
 //! that; each motion comes with the contact sequence that it suggests.
 
-pub(in crate::ocp) mod coarse_to_fine;
-pub(in crate::ocp) mod contact_implicit;
 mod declared;
 pub(in crate::ocp) mod guess;
 mod spans;

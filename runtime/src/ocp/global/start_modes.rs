@@ -5,8 +5,7 @@ use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::has_free_start;
-use crate::ocp::tuning::equal::ROUNDING;
-use crate::ocp::tuning::relaxed::COARSE_LAST;
+use crate::ocp::tuning::equal::{MET, ROUNDING};
 use crate::simulation::ContactMode;
 
 /// What the contacts do at the start of a motion.
@@ -22,7 +21,7 @@ pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> V
     input.resize(model.declaration().inputs(), 0.0);
     let free = has_free_start(model);
     let pieces = Pieces::at(model, &input);
-    let near = if free { COARSE_LAST } else { ROUNDING };
+    let near = if free { MET } else { ROUNDING };
     (0..model.declaration().contacts.len())
         .map(|contact| {
             if pieces.is_idle(contact) || model.gap(contact, &input) > near * units.gap[contact] {

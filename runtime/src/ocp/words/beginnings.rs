@@ -1,13 +1,14 @@
 //! Words to begin with: of simulated motions under random controls and under policies, of what they begin with, of the ride without
-//! controls, of steps, of a contact-implicit program, and the one without switches.
+//! controls, of steps, of relaxed time-freezing programs, and the one without switches.
 
 use super::library::Library;
 use super::off_grid::Goals;
 use super::word::Draft;
 use crate::ocp::collocation::discretization::Setting;
-use crate::ocp::global::coarse_to_fine::CoarseToFine;
 use crate::ocp::global::guess::{guess, uniform};
 use crate::ocp::global::start_modes::modes_at_start;
+use crate::ocp::global::time_freezing::refuse_resets;
+use crate::ocp::global::time_freezing_search::candidate;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::mode::{closed_mode, is_frictional};
 use crate::ocp::motion::sequence::{Sequence, Switch};
@@ -17,14 +18,14 @@ use crate::ocp::problem::has_free_start;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::replay::simulations;
 use crate::ocp::search::sampled::{Range, Sampled, best_of_each_order};
-use crate::ocp::settings::Guess;
+use crate::ocp::settings::{Guess, TimeFreezingSettings};
 use crate::ocp::tuning::beginnings::{
     CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEP, STEPS, TRIES, WORDS,
 };
 use crate::simulation::{ContactMode, InputError};
 
-/// The source whose words come from a contact-implicit program.
-const IMPLICIT: &str = "contact-implicit";
+/// The source whose words come from time-freezing programs.
+const RELAXED: &str = "relaxed";
 /// The source whose word is that of a plan on the grid.
 pub(super) const PLAN: &str = "plan";
 
@@ -108,11 +109,11 @@ pub(in crate::ocp) fn beginnings(
     }
     found.retain(|one| one.source == PLAN || runner.settings.uses(one.source));
     // Where there is a plan already it brings nothing.
-    if plan.is_none()
-        && runner.settings.uses(IMPLICIT)
-        && let Some(word) = implicit(runner, setting, guessed)?
-    {
-        learn(&mut library, &mut found, word, IMPLICIT);
+    if plan.is_none() && runner.settings.uses(RELAXED) {
+        let nearest = motions.iter().map(|motion| &motion.trajectory).take(2);
+        for word in relaxed(runner, setting, nearest) {
+            learn(&mut library, &mut found, word, RELAXED);
+        }
     }
     let begun = Begun {
         words: found,
@@ -150,16 +151,27 @@ fn add_beginnings(found: &mut Vec<Beginning>, drafts: &[(Draft, Trajectory)], ph
     }
 }
 
-/// The word of the first motion of contact-implicit programs around a guess.
-fn implicit(
+/// The words of relaxed time-freezing programs that start from simulations under the controls of these motions.
+fn relaxed<'m>(
     runner: &mut Runner,
     setting: Setting,
-    guess: &Trajectory,
-) -> Result<Option<(Draft, Trajectory)>, InputError> {
+    motions: impl Iterator<Item = &'m Trajectory>,
+) -> Vec<(Draft, Trajectory)> {
+    if refuse_resets(setting.model).is_err() {
+        return Vec::new();
+    }
     let failure = runner.take_failure();
-    let candidate = CoarseToFine::new(setting, guess).next(runner)?;
+    let formulation = TimeFreezingSettings::default();
+    let mut words = Vec::new();
+    for motion in motions {
+        let found = candidate(runner, setting, &formulation, motion, true);
+        if let Ok(Some((_, Some(candidate)))) = found {
+            words.push(read(setting, candidate));
+        }
+    }
     runner.restore_failure(failure, true);
-    Ok(candidate.map(|candidate| read(setting, candidate)))
+    runner.take_refusal();
+    words
 }
 
 /// Steps of feet of which two or more stand at first, which random controls never take and no edit of a jump leads to: of each alone, of two
