@@ -99,7 +99,6 @@ mod tuning;
 mod unknown;
 mod words;
 
-pub use crate::time_freezing::task::CrossComplementarity;
 pub use global::time_freezing::TimeFreezing;
 pub use hangtime_solver::mpcc::Stationarity;
 pub use misses::{Miss, Nearest};
@@ -108,7 +107,7 @@ pub use parameters::{FoundParameter, OptimumGradient, OptimumSides};
 pub use previous::Previous;
 pub use problem::{CompletedStart, Horizon, Problem};
 pub use rules::{RULES, Rule, RulePart};
-pub use settings::{ControlNodes, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
+pub use settings::{ControlNodes, Formulation, Guess, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{
     Counts, Excess, Improvement, Margin, Optimum, RelaxedReport, Solution, Source, Status,

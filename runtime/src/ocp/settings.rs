@@ -9,7 +9,6 @@ use crate::ocp::rules;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
-use crate::time_freezing::task::CrossComplementarity;
 
 /// Starts of the search in phases, unless others are asked for: one, and two that bring nothing.
 const STARTS: usize = 3;
@@ -127,8 +126,6 @@ pub struct TimeFreezingSettings {
     /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end). Where a contact bounces,
     /// there is one more ([`elements_of`](Self::elements_of)): its jump is a fall and a rise.
     pub elements: usize,
-    /// Which pairs keep modes the same over an element; default [`CrossComplementarity::FeFe`].
-    pub cross_complementarity: CrossComplementarity,
     /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 20, > 0. Of the
     /// order of the contact accelerations, so that the step functions stay away from 0 and 1.
     pub auxiliary_acceleration: f64,
@@ -158,7 +155,6 @@ impl Default for TimeFreezingSettings {
             scheme: Scheme::RadauIia,
             stages: 2,
             elements: 3,
-            cross_complementarity: CrossComplementarity::FeFe,
             auxiliary_acceleration: 20.0,
             simulated_guess: false,
             complementarity: 1e-4,
@@ -174,19 +170,6 @@ impl TimeFreezingSettings {
         let mut contacts = 0..model.declaration().contacts.len();
         self.elements + usize::from(contacts.any(|contact| model.restitution(contact) > 0.0))
     }
-}
-
-/// Where path constraints are imposed. Between these places they are checked, and imposed where they are violated,
-/// unless bounds are asked for at the nodes only.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PathPoints {
-    /// At the ends of the finite elements.
-    Ends,
-    /// At all stages; for Radau IIA, the end of an element is one.
-    #[default]
-    Stages,
-    /// At all stages and at the starts of the elements, right after the impacts.
-    Both,
 }
 
 /// Settings of the optimal control solver; change fields of [`Settings::default`].
@@ -225,12 +208,6 @@ pub struct Settings {
     /// Radau IIA stages of an element; default 4, in `2..=9`. Order `2 n - 1`. More are taken where the re-simulation
     /// does not confirm a plan.
     pub stages: usize,
-    /// Whether the bounds of coordinates hold at the ends of the control intervals and at contact switches only; in between
-    /// they may be violated, see [`Solution::excess`](super::Solution::excess). Path constraints are not checked
-    /// in between, either. Default false: they hold at all times.
-    pub bounds_at_nodes: bool,
-    /// Where path constraints are imposed; default at all stages.
-    pub path_points: PathPoints,
     /// Tolerance of the collocation programs; default 1e-9, in (0, 1). The motion that is returned is solved to a thousandth of it,
     /// where rounding allows that.
     pub tolerance: f64,
@@ -268,8 +245,6 @@ impl Default for Settings {
             gradient: Vec::new(),
             elements: 1,
             stages: 4,
-            bounds_at_nodes: false,
-            path_points: PathPoints::default(),
             tolerance: 1e-9,
             gap_margin: 1e-5,
             maximum_programs: 200,

@@ -198,7 +198,7 @@ fn weights(transcription: &Transcription<'_>, contact: usize) -> Vec<usize> {
 mod tests {
     use super::super::field::Field;
     use super::super::layout::{ALPHA, P};
-    use super::super::task::{CrossComplementarity, Outer, Span, Task};
+    use super::super::task::{Outer, Span, Task};
     use super::super::test_scenes::Bead;
     use super::super::tests::worst_derivative;
     use super::super::{guess, rows};
@@ -246,7 +246,6 @@ mod tests {
             intervals: 1,
             elements: 5,
             coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
-            cross: CrossComplementarity::FeFe,
             guess: Guess::Known(vec![spans]),
         };
         let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");

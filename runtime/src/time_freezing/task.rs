@@ -24,22 +24,7 @@ pub(crate) struct Task {
     pub(crate) elements: usize,
     /// Bounds of the coordinates at the ends of the elements.
     pub(crate) coordinate_bounds: (Vec<f64>, Vec<f64>),
-    pub(crate) cross: CrossComplementarity,
     pub(crate) guess: Guess,
-}
-
-/// Which pairs keep the mode of a contact, or the side of a switch, the same over a finite element with `s` stages: weights `w_m` of its
-/// stages against multipliers `l_j` of its stages and of the end of the element before. All of them say the same where products vanish;
-/// they are as many programs where products are relaxed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum CrossComplementarity {
-    /// `sum_m w_m` against `sum_j l_j`: one pair, the fewest.
-    #[default]
-    FeFe,
-    /// `sum_m w_m` against each `l_j`: `s + 1` pairs.
-    FeStage,
-    /// Each `w_m` against each `l_j`: `s (s + 1)` pairs.
-    StageStage,
 }
 
 /// Where the solver starts.

@@ -2,7 +2,7 @@
 
 use super::field::Field;
 use super::step_form::transcribe;
-use super::task::{CrossComplementarity, Guess, Outer, Task};
+use super::task::{Guess, Outer, Task};
 use super::test_scenes::{Bead, Blade, DryBead, EdgedBead, HeldBead, RoughBead, Wire};
 use super::transcription::Transcription;
 use crate::model::Model;
@@ -64,7 +64,6 @@ fn program<'a>(
         intervals,
         elements,
         coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
-        cross: CrossComplementarity::FeFe,
         guess: Guess::Simulated,
     };
     let field = Field::new(bead, 50.0);

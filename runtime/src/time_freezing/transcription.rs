@@ -4,7 +4,6 @@ use super::field::Field;
 use super::laid_out;
 use super::layout::{Group, SLIP_MINUS, SLIP_PLUS};
 use super::names;
-use super::task::CrossComplementarity::{FeStage, StageStage};
 use super::task::{Guess, Outer, Task};
 use crate::model::held::{first_of_stages, is_held};
 use crate::program::sparse_program::Program;
@@ -425,7 +424,10 @@ impl<'a> Transcription<'a> {
         });
         for group in 0..self.groups.len() {
             for weight in [0, 2] {
-                self.push_cross_pairs(e, group, weight);
+                // The sum of the weights of the stages of an element against that of the multipliers, of the end before it as well: so the mode of
+                // a contact, or the side of a switch, is the same all over the element, by one pair.
+                let first = self.elements[e].sums + SUMS * group + weight;
+                self.program.pair(first, first + 1);
             }
         }
     }
@@ -446,23 +448,6 @@ impl<'a> Transcription<'a> {
             }
         };
         conditions.filter(|_| e > 0).map(turn).collect()
-    }
-
-    /// Declares the pairs of a weight of an element, the first or the third sum of a group, with the multipliers against it. Those
-    /// of a given start are numbers, which their sum takes.
-    fn push_cross_pairs(&mut self, e: usize, group: usize, weight: usize) {
-        let first = self.elements[e].sums + SUMS * group + weight;
-        let given = e == 0 && !self.is_free;
-        let [weights, multipliers] = match self.task.cross {
-            FeStage if !given => [vec![first], self.sum_terms(e, group, weight + 1)],
-            StageStage if !given => [0, 1].map(|k| self.sum_terms(e, group, weight + k)),
-            _ => [vec![first], vec![first + 1]],
-        };
-        for weight in weights {
-            for &multiplier in &multipliers {
-                self.program.pair(weight, multiplier);
-            }
-        }
     }
 
     /// Adds the variables of a block of an interval, which may be a boundary and the end of its element.

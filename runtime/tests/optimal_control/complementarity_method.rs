@@ -10,7 +10,7 @@ mod scenes;
 use hangtime::model::Model;
 use hangtime::mpcc::{self, Mpcc as _, Settings, Status};
 use hangtime::nlp::NlpProblem as _;
-use hangtime::ocp::{CrossComplementarity, Horizon, Problem, TimeFreezing, TimeFreezingSettings};
+use hangtime::ocp::{Problem, TimeFreezing, TimeFreezingSettings};
 
 /// Crossovers solve their smooth program to 1e-8.
 const SAME: f64 = 1e-6;
@@ -80,30 +80,6 @@ fn solve_goal_below_the_ground_is_infeasible_with_names() {
         format!("{} iterations: {}", solution.iterations, names.join("; ")),
         @"260 iterations: alpha _|_ ln of ground in element 1 of interval 0, 0.0000 to 0.5000 s; p _|_ w of ground at stage 0 of element 2 of interval 0, 0.0000 to 0.5000 s; p _|_ w of ground at stage 1 of element 2 of interval 0, 0.0000 to 0.5000 s; alpha _|_ ln of ground in element 2 of interval 0, 0.0000 to 0.5000 s; beta _|_ lp of ground in element 1 of interval 0, 0.0000 to 0.5000 s; p _|_ w of ground at stage 0 of element 1 of interval 0, 0.0000 to 0.5000 s"
     );
-}
-
-#[test]
-fn modes_of_cross_complementarity_differ_in_their_pairs_and_not_in_the_motion() {
-    use CrossComplementarity::{FeFe, FeStage, StageStage};
-    // The ball lies on the ground at the end.
-    let model = scenes::Ball::default();
-    let mut problem = Problem::of(&model, 1);
-    (problem.q, problem.v) = (vec![0.0, 0.5], vec![1.0, 0.0]);
-    problem.horizon = Horizon::Fixed(0.5);
-    // A pair of each of six stages, two of the first element, and two of each other, with each of its stages and its start, or each
-    // stage with them.
-    for (mode, pairs) in [(FeFe, 8 + 4), (FeStage, 8 + 12), (StageStage, 8 + 24)] {
-        let mut settings = TimeFreezingSettings::default();
-        settings.cross_complementarity = mode;
-        let mut program = TimeFreezing::new(&model, &problem, &settings).unwrap();
-        assert_eq!(program.complementarities().len(), pairs, "{mode:?}");
-        let solution = mpcc::solve(&mut program, &Settings::default()).unwrap();
-        assert!(solution.status.is_solved(), "{mode:?}: {}", solution.status);
-        let mut variables = (0..program.variables()).rev();
-        let last = variables.find(|&i| program.variable_name(i).starts_with("z at stage"));
-        let end = solution.x[last.unwrap()];
-        assert!(end.abs() < SAME, "{mode:?}: {end}");
-    }
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 mod brute_force;
 mod complementarity_method;
-mod declared;
 mod final_time;
 #[path = "../../../solver/benches/homotopy.rs"]
 mod homotopy;

@@ -43,9 +43,3 @@ pub(crate) fn assert_program(solution: &Solution, near: f64) {
     let apart = (report.objective - solution.objective).abs() / size;
     assert!(apart < near, "{apart:e}: {report:?} {}", solution.objective);
 }
-
-/// The largest violation between the places where conditions are imposed.
-pub(crate) fn most_exceeded(solution: &Solution) -> f64 {
-    let amounts = solution.excess.iter().map(|excess| excess.amount);
-    amounts.fold(0.0, f64::max)
-}

@@ -24,9 +24,6 @@ pub(in crate::ocp) fn between_stages(program: &Collocation, x: &[f64], limits: L
     let mut found = gaps(&motion, limits);
     found.extend(departures(program, &motion.solved, limits));
     found.extend(friction(&motion, limits));
-    if limits.setting.places.bounds_at_nodes {
-        return found;
-    }
     let bounds = Bounds::new(limits.setting);
     if bounds.all.is_empty() {
         return found;

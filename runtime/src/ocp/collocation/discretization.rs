@@ -7,7 +7,7 @@ use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
 use crate::ocp::program::units::Units;
-use crate::ocp::settings::{PathPoints, Settings};
+use crate::ocp::settings::Settings;
 use crate::rk::ButcherTableau;
 
 /// Everything that stays the same over all sequences.
@@ -20,7 +20,6 @@ pub(in crate::ocp) struct Setting<'a> {
     pub(in crate::ocp) bounds: (&'a [f64], &'a [f64]),
     /// Whether each coordinate is a parabola on each interval.
     pub(in crate::ocp) parabolas: &'a [bool],
-    pub(in crate::ocp) places: Places,
     pub(in crate::ocp) shape: ControlShape,
     pub(in crate::ocp) lengths: Lengths<'a>,
     /// Sizes of the goals, where these may be missed at a price: [`Collocation::penalize`](super::program::Collocation::penalize).
@@ -48,10 +47,6 @@ impl<'a> Setting<'a> {
             units,
             bounds,
             parabolas,
-            places: Places {
-                bounds_at_nodes: settings.bounds_at_nodes,
-                path: settings.path_points,
-            },
             shape: settings.controls,
             lengths: Lengths::Equal,
             elastic: None,
@@ -136,13 +131,6 @@ impl<'a> Lengths<'a> {
             (place < span.pieces).then_some((span, place))
         })
     }
-}
-
-/// Where bounds of coordinates and path constraints are imposed.
-#[derive(Clone, Copy)]
-pub(in crate::ocp) struct Places {
-    pub(in crate::ocp) bounds_at_nodes: bool,
-    pub(in crate::ocp) path: PathPoints,
 }
 
 /// Which coordinates are parabolas while the controls are constant: their acceleration is affine in the

@@ -61,14 +61,10 @@ pub(in crate::ocp) fn add(
         model,
         bounds,
         parabolas,
-        places,
         shape,
         ..
     } = builder.setting;
     let (n, program) = (builder.n, &mut builder.program);
-    if places.bounds_at_nodes {
-        return;
-    }
     for k in (0..n).filter(|&k| parabolas[k]) {
         let name = model.declaration().coordinates[k].name;
         let inside = format!("in the bound of `{name}` over interval {interval}");

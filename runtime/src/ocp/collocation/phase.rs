@@ -12,7 +12,6 @@ use crate::model::held::{first_at_stages, is_held};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::program::frame::{Provided, force_name, state_name};
-use crate::ocp::settings::PathPoints;
 use crate::program::joint_rows::Decided;
 use crate::program::kernel::Kernel;
 use crate::simulation::per_second;
@@ -162,7 +161,7 @@ fn unknowns(
         let last = m + 1 == tableau.stages();
         let sample = builder.guess.at(element.time(*c), !last);
         let at = format!("at stage {m} of {}", element.label());
-        let state = stage_state(builder, &sample, last, &at);
+        let state = stage_state(builder, &sample, &at);
         let mut stage = Stage {
             state,
             drive,
@@ -211,25 +210,18 @@ fn unknowns(
 
 /// Adds the variables of the state at a stage; the bounds of those coordinates hold there for which nothing better is
 /// known.
-fn stage_state(builder: &mut Builder, sample: &[f64], last: bool, at: &str) -> Vec<usize> {
+fn stage_state(builder: &mut Builder, sample: &[f64], at: &str) -> Vec<usize> {
     let Setting {
         model,
         units,
         bounds,
         parabolas,
-        places,
         ..
     } = builder.setting;
     let n = builder.n;
     (0..2 * n)
         .map(|k| {
-            let bounded = k < n
-                && if places.bounds_at_nodes {
-                    last
-                } else {
-                    !parabolas[k]
-                };
-            let range = if bounded {
+            let range = if k < n && !parabolas[k] {
                 (bounds.0[k], bounds.1[k])
             } else {
                 FREE
@@ -457,37 +449,25 @@ fn idle_row(
 
 /// Adds the running cost of an element and the path constraints at its stages and its start.
 fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) {
-    let Setting {
-        tableau, places, ..
-    } = builder.setting;
+    let tableau = builder.setting.tableau;
     let n = builder.n;
     let label = element.label();
-    let declared = builder.setting.model.declaration().optimal_control;
-    let constraints = declared.map_or(0, |declared| declared.constraints.len());
-    let at_stages = first_at_stages(builder.setting.model)..constraints;
     for (m, stage) in phase.stages.iter().enumerate() {
         let (q, v) = stage.state.split_at(n);
         let (frame, program) = (&builder.frame, &mut builder.program);
         let (inputs, factor) = ([q, v, &stage.drive[..]], element.factor * tableau.b()[m]);
         let known = Provided::Known(&stage.provided);
         frame.running_cost(program, inputs, known, [element.scale], factor);
-        if places.path != PathPoints::Ends || m + 1 == phase.stages.len() {
-            let place = format!("at stage {m} of {label}");
-            frame.path_rows(program, inputs, known, &place);
-        } else if !at_stages.is_empty() {
-            let place = format!("at stage {m} of {label}");
-            let chosen: Vec<usize> = at_stages.clone().collect();
-            frame.path_rows_of(program, &chosen, inputs, known, &place);
-        }
+        let place = format!("at stage {m} of {label}");
+        frame.path_rows(program, inputs, known, &place);
     }
     if element.is_first_of_motion() {
         start_conditions::path_rows(builder, phase);
         return;
     }
     let at_start = provided::at_start(builder.setting.model.declaration());
-    let chosen: Vec<usize> = (0..at_stages.start)
-        .filter(|&i| places.path == PathPoints::Both || at_start(i))
-        .collect();
+    let first = first_at_stages(builder.setting.model);
+    let chosen: Vec<usize> = (0..first).filter(|&i| at_start(i)).collect();
     if !chosen.is_empty() {
         let (q, v) = phase.start.split_at(n);
         let place = format!("at the start of {label}");

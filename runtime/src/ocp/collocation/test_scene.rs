@@ -1,6 +1,6 @@
 //! A scene that declares everything that optimal control knows, and how the tests of this layer set a scene.
 
-use super::discretization::{Lengths, Places, Setting, parabolas};
+use super::discretization::{Lengths, Setting, parabolas};
 use crate::model::Model;
 use crate::ocp::global::guess::guess;
 use crate::ocp::motion::control_grid::ControlShape;
@@ -8,7 +8,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::units::Units;
 use crate::ocp::scale::Scale;
-use crate::ocp::settings::{Guess, PathPoints};
+use crate::ocp::settings::Guess;
 use crate::rk::{ButcherTableau, Scheme};
 
 crate::model! {
@@ -50,10 +50,6 @@ pub(super) fn with_setting(
         units: &units,
         bounds,
         parabolas: &parabolas,
-        places: Places {
-            bounds_at_nodes: false,
-            path: PathPoints::Both,
-        },
         shape,
         lengths: Lengths::Equal,
         elastic: None,

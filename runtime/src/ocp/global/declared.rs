@@ -334,7 +334,7 @@ mod tests {
     use crate::ocp::problem::{Horizon, Problem};
     use crate::ocp::settings::TimeFreezingSettings;
     use crate::rk::Scheme;
-    use crate::time_freezing::task::{CrossComplementarity, Guess, Span, Task};
+    use crate::time_freezing::task::{Guess, Span, Task};
 
     crate::model! {
         /// A bead that strikes a floor on which it slides, and a wall that throws it back, and reads what both do to it.
@@ -409,7 +409,6 @@ mod tests {
             intervals: 2,
             elements: 4,
             coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
-            cross: CrossComplementarity::FeFe,
             guess: Guess::Known(vec![first, second]),
         };
         let mut settings = TimeFreezingSettings::default();

@@ -244,7 +244,6 @@ fn task(
         linear: guess.controls.shape() == ControlShape::Linear,
         intervals: problem.intervals,
         elements: settings.elements_of(model),
-        cross: settings.cross_complementarity,
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),
         guess: if settings.simulated_guess || aimless {
             Guess::Simulated

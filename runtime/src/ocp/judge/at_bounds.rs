@@ -153,10 +153,7 @@ pub(super) fn at_bounds(
         }
         differ.extend(differs.then_some((k, agrees)));
     }
-    if setting.places.bounds_at_nodes {
-        // Between nodes they are not asked for.
-        (found.violated, found.apart) = (None, None);
-    } else if !differ.is_empty() {
+    if !differ.is_empty() {
         let follower = Follower {
             setting,
             bounds: &bounds,

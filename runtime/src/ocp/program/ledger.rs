@@ -104,7 +104,6 @@ mod tests {
         let mut ledger = Ledger::new(&Settings::default());
         ledger.spend(100, 10);
         assert!(!ledger.is_spent() && !ledger.is_hopeless(1e9));
-        ledger.begin();
         ledger.lead(2.0);
         ledger.own_word(1.99);
         ledger.spend(50, 10);
