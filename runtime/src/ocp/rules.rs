@@ -38,7 +38,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 23] = [
+pub const RULES: [Rule; 24] = [
     rule(
         Source,
         "time-freezing",
@@ -57,6 +57,11 @@ pub const RULES: [Rule; 23] = [
     rule(Source, "ride", "The motion without controls."),
     rule(Source, "empty", "No switch at all."),
     rule(Source, "steps", "Steps of feet that stand at the start."),
+    rule(
+        Source,
+        "visits",
+        "Contacts that are open at first close, or are visited by what stands.",
+    ),
     rule(
         Source,
         "relaxed",

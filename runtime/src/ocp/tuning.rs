@@ -46,6 +46,9 @@ pub(in crate::ocp) mod beginnings {
     /// after it. Chosen: of one, and of two in turn, once and twice.
     pub(in crate::ocp) const STEPS: usize = 8;
     pub(in crate::ocp) const STEP: f64 = 0.25;
+    /// Words in which a contact is visited, and the shares of the motion at which it closes and opens. Chosen.
+    pub(in crate::ocp) const VISITS: usize = 8;
+    pub(in crate::ocp) const VISIT: [f64; 2] = [0.4, 0.6];
     /// Motions under random controls among which one of a word is looked for, to solve it from once more. Chosen.
     pub(in crate::ocp) const TRIES: u64 = 16;
     /// Most instants of a cycle of the library. Chosen: a hop has two, a step and a slip three.

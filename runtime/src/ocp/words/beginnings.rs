@@ -10,7 +10,8 @@ use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::global::time_freezing::refuse_resets;
 use crate::ocp::global::time_freezing_search::candidate;
 use crate::ocp::motion::candidate::Candidate;
-use crate::ocp::motion::mode::{closed_mode, is_frictional};
+use crate::ocp::motion::mode::{closed_mode, is_condition, is_frictional};
+use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::previous::Previous;
@@ -20,7 +21,8 @@ use crate::ocp::search::replay::simulations;
 use crate::ocp::search::sampled::{Range, Sampled, best_of_each_order};
 use crate::ocp::settings::{Guess, TimeFreezingSettings};
 use crate::ocp::tuning::beginnings::{
-    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEP, STEPS, TRIES, WORDS,
+    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEP, STEPS, TRIES, VISIT,
+    VISITS, WORDS,
 };
 use crate::simulation::{ContactMode, InputError};
 
@@ -106,6 +108,10 @@ pub(in crate::ocp) fn beginnings(
     for sequence in steps(setting, &empty) {
         let draft = Draft::read(&sequence, length, guessed.horizon);
         add(&mut found, (draft, guessed.clone()), "steps");
+    }
+    for sequence in visits(setting, &empty, guessed) {
+        let draft = Draft::read(&sequence, length, guessed.horizon);
+        add(&mut found, (draft, guessed.clone()), "visits");
     }
     found.retain(|one| one.source == PLAN || runner.settings.uses(one.source));
     // Where there is a plan already it brings nothing.
@@ -202,6 +208,51 @@ fn steps(setting: Setting, standing: &Sequence) -> Vec<Sequence> {
         sequence.ordered(intervals)
     });
     sequences.take(STEPS).collect()
+}
+
+/// Visits of contacts that are open at first, which a motion under random controls seldom makes: each closes and stays closed, or what stands
+/// lifts off, comes to it, leaves it and stands again.
+fn visits(setting: Setting, standing: &Sequence, guess: &Trajectory) -> Vec<Sequence> {
+    let (model, intervals) = (setting.model, setting.problem.intervals);
+    let declared = model.declaration().contacts;
+    let modes = standing.initially.iter().enumerate();
+    let (open, closed): (Vec<_>, Vec<_>) = modes
+        .map(|(contact, mode)| (contact, mode.is_open()))
+        .filter(|(contact, _)| !declared[*contact].dry && !is_condition(model, *contact))
+        .partition(|(_, is_open)| *is_open);
+    let place = |share: f64| share * intervals as f64;
+    let leaves = |contact, share| Switch::inside(contact, false, ContactMode::Open, place(share));
+    let closes = |contact, share| {
+        let mode = closed_mode(is_frictional(model, contact), 0.0, 0.0);
+        Switch {
+            impulse: mode,
+            ..Switch::inside(contact, true, mode, place(share))
+        }
+    };
+    let with = |switches: Vec<Switch>| {
+        let mut sequence = standing.clone();
+        sequence.switches = switches;
+        let sequence = with_passages(model, sequence, guess, false);
+        sequence.ordered(intervals)
+    };
+    let all = |switch: &dyn Fn(usize, f64) -> Switch, share: f64| -> Vec<Switch> {
+        let switches = closed.iter().enumerate().map(|(k, &(contact, _))| Switch {
+            accompanies: k > 0,
+            ..switch(contact, share)
+        });
+        switches.collect()
+    };
+    let visits = open.iter().flat_map(|&(contact, _)| {
+        let [begin, end] = VISIT;
+        let visit = vec![closes(contact, begin), leaves(contact, end)];
+        let visit = [
+            all(&leaves, 0.5 * begin),
+            visit,
+            all(&closes, 0.5 * (1.0 + end)),
+        ];
+        [vec![closes(contact, 0.5)], visit.concat()]
+    });
+    visits.filter_map(with).take(VISITS).collect()
 }
 
 /// Feet that step, one after the other: each alone, two in turn, each twice, two in turn twice.
