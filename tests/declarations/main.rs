@@ -1,19 +1,11 @@
 //! What `model!` derives from a declaration, against independent routes.
 
-#[macro_use]
-mod support;
+#[path = "../../dsl-macros/core/src/random_texts.rs"]
+mod random_texts;
 
-mod chain;
-mod contact_laws;
-mod derivatives;
-mod dry_friction;
-mod forces;
+mod derivation;
+mod differences;
+mod emission;
 mod hygiene;
-mod impact_laws;
-mod joints;
-mod optimal_control_functions;
-mod profiles;
-mod repetition;
 mod same;
-mod scene_texts;
-mod shown;
+mod values;

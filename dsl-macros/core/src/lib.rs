@@ -33,7 +33,9 @@ mod whole;
 mod words;
 
 #[cfg(test)]
-mod random_models;
+mod formulas;
+#[cfg(test)]
+mod random_texts;
 #[cfg(test)]
 mod testing;
 
@@ -238,6 +240,30 @@ fn describe_as(
         Ok((_, _, description)) if diagnostics.mistakes() == 0 => {
             Ok((description, in_text(diagnostics.into_mistakes())))
         }
+        _ => Err(in_text(diagnostics.into_mistakes())),
+    }
+}
+
+/// What acts in the scene that the text of a file declares, before anything is derived of it: its Lagrangian, and behind that the
+/// generalized forces, one a coordinate and a state. What is derived can be compared with them.
+///
+/// # Errors
+/// Every mistake and every warning found, in the order of the text.
+///
+/// ```
+/// let ball = "coordinates { y: m, z: m } lagrangian 1 [kg]*(dot(y)^2 + dot(z)^2)/2 forces { z: 3 [N] }";
+/// let acting = hangtime_dsl::acting(ball, "ball").expect("no mistakes");
+/// assert_eq!(acting.outputs.len(), 3);
+/// ```
+pub fn acting(text: &str, stem: &str) -> Result<description::Kernel, Vec<TextMistake>> {
+    let tokens = text::tokens(text, stem)?;
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.is_data = true;
+    graph::reset();
+    let scene = parse::scene(tokens, &mut diagnostics)
+        .and_then(|declared| check::scene(&declared, &mut diagnostics));
+    match scene {
+        Ok(scene) if diagnostics.mistakes() == 0 => Ok(description::Kernel::acting(&scene)),
         _ => Err(in_text(diagnostics.into_mistakes())),
     }
 }

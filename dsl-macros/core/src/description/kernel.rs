@@ -61,6 +61,13 @@ impl Kernel {
         }
     }
 
+    /// The kernel of the Lagrangian of a scene, and behind it of the generalized forces.
+    pub(crate) fn acting(scene: &CheckedScene) -> Self {
+        let mut values = vec![scene.lagrangian];
+        values.extend(&scene.forces);
+        Self::new(scene, "acting", tape::shortest(&values), (false, false))
+    }
+
     /// This kernel, which has that index, under another name and with other names of coordinates: those of inputs, and of weights
     /// behind the first `rows`.
     pub(super) fn renamed(&self, index: usize, name: &str, (names, rows): (&Names, usize)) -> Self {

@@ -33,6 +33,7 @@ fn mistakes_in_file(text: &str) -> Vec<String> {
 mod advice;
 mod bodies;
 mod conditions;
+mod described;
 mod design;
 mod format;
 mod fuzz;
