@@ -23,8 +23,6 @@ mod thread;
 
 pub use declared::{Declared, Derived, Scene};
 pub use hangtime_dsl::description::{inverse_root, piecewise, root};
-#[cfg(feature = "oracle")]
-pub use num_dual;
 pub use program::TooLarge;
 pub use text::TextScene;
 pub use thread::on_a_thread;

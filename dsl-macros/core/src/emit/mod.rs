@@ -3,7 +3,6 @@
 
 mod data;
 mod kernel;
-mod oracle;
 mod structure;
 mod tapes;
 
@@ -20,12 +19,7 @@ pub(crate) fn scene(scene: &CheckedScene, derived: &Description, text: &str) -> 
     let name = scene.name.rust();
     let mut code = kernel::all(derived, &name);
     numbers(scene, derived, text, &mut code);
-    let mut items = parsed(&code);
-    if cfg!(feature = "oracle")
-        && let Some(methods) = oracle::write(scene)
-    {
-        items.extend(parsed(&format!("impl {name} {{ {methods} }}")));
-    }
+    let items = parsed(&code);
     let structure = data::tokens(&derived.structure);
     let mut tokens = structure::tokens(scene, derived);
     tokens.extend(quote! {
