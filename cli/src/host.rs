@@ -257,7 +257,7 @@ impl HostScene {
     }
 
     /// As [`HostScene::solve`], from the motion of an earlier solve of the same scene, for other parameters or another number of
-    /// intervals: its contact sequence is tried first, and contact-implicit programs where it leads to nothing.
+    /// intervals: its contact sequence is tried first, and the edits of its word where it leads to nothing.
     ///
     /// # Errors
     /// As [`HostScene::solve`], and where the earlier run has no plan, or one of another scene.

@@ -21,9 +21,8 @@ use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::{FormulationSize, InputError};
 
-/// The sizes of the programs that [`solve`](super::solve) makes of a problem under `settings`: the refined
-/// contact-implicit program and the collocation with the contact sequence of the ride without controls, or the program of
-/// the time-freezing formulation.
+/// The sizes of the programs that [`solve`](super::solve) makes of a problem under `settings`: the
+/// collocation with the contact sequence of the ride without controls, or the program of the time-freezing formulation.
 ///
 /// # Errors
 /// [`InputError`] if problem or settings are refused.

@@ -75,7 +75,8 @@ pub(in crate::ocp) mod off_grid {
     pub(in crate::ocp) const ROUNDED: f64 = 0.3;
     /// By how much an element may become longer: what happens between the stages of longer ones is anybody's guess. Chosen.
     pub(in crate::ocp) const LONGEST: f64 = 1.5;
-    /// Tolerance of a program of which the order of contacts is read; relative gain, and share of all presses, below which there is none. Chosen: words differ by more.
+    /// Tolerance of a program of which the order of contacts is read; relative gain, and share of all presses, below which there is none.
+    /// Chosen: words differ by more.
     pub(in crate::ocp) const TOLERANCE: f64 = 1e-4;
     /// First barrier parameter. Chosen: guesses are far from solutions.
     pub(in crate::ocp) const BARRIER: f64 = 1e-2;

@@ -1,5 +1,5 @@
 //! Words to begin with: of simulated motions under random controls and under policies, of what they begin with, of the ride without
-//! controls, of steps, of relaxed time-freezing programs, and the one without switches.
+//! controls, of steps and visits of contacts, of relaxed time-freezing programs, and the one without switches.
 
 use super::library::Library;
 use super::off_grid::Goals;
@@ -105,13 +105,12 @@ pub(in crate::ocp) fn beginnings(
     let length = guessed.horizon / setting.problem.intervals as f64;
     let draft = Draft::read(&empty, length, guessed.horizon);
     add(&mut found, (draft, guessed.clone()), "empty");
-    for sequence in steps(setting, &empty) {
+    let visits = visits(setting, &empty, guessed).into_iter();
+    let steps = steps(setting, &empty).into_iter();
+    let made = steps.map(|one| (one, "steps"));
+    for (sequence, source) in made.chain(visits.map(|one| (one, "visits"))) {
         let draft = Draft::read(&sequence, length, guessed.horizon);
-        add(&mut found, (draft, guessed.clone()), "steps");
-    }
-    for sequence in visits(setting, &empty, guessed) {
-        let draft = Draft::read(&sequence, length, guessed.horizon);
-        add(&mut found, (draft, guessed.clone()), "visits");
+        add(&mut found, (draft, guessed.clone()), source);
     }
     found.retain(|one| one.source == PLAN || runner.settings.uses(one.source));
     // Where there is a plan already it brings nothing.
