@@ -12,7 +12,7 @@ use crate::arguments::ExplainArguments;
 use crate::failure::BadInput;
 use crate::settings::ChosenScene;
 use crate::sizes::Sizes;
-use crate::table::{headed, table};
+use crate::table::headed;
 
 pub(crate) fn run(
     scenes: &'static [Scene],
@@ -93,21 +93,9 @@ fn text(chosen: &ChosenScene) -> String {
     }
     text += &patterns(declaration);
 
-    text += "\nkernels\n";
-    let kernels = declaration.kernels.iter();
-    text += &table(
-        ["function", "operations", "outputs"],
-        kernels.map(|kernel| {
-            let counts = [kernel.operations, kernel.outputs].map(|count| count.to_string());
-            [kernel.name.to_owned()].into_iter().chain(counts).collect()
-        }),
-    );
-    let total: usize = declaration
-        .kernels
-        .iter()
-        .map(|kernel| kernel.operations)
-        .sum();
-    let _ = writeln!(text, "  {total} operations in all");
+    let operations = declaration.kernels.iter().map(|kernel| kernel.operations);
+    let total: usize = operations.sum();
+    let _ = writeln!(text, "\n{total} operations in all");
     text
 }
 

@@ -1,12 +1,12 @@
-//! `hangtime explain --size`: what every formulation of a scene takes, and what each part of it is there for.
+//! `hangtime explain --size`: what every formulation of a scene takes.
 
 use std::fmt::Write as _;
 
 use hangtime::InputError;
-use hangtime::ocp::{Formulation, Problem, Settings, TimeFreezingSettings, program_sizes};
+use hangtime::ocp::{Formulation, Problem, Settings, TimeFreezingSettings, program_size};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    Fesd, FormulationSize, InitialValueProblem, ProblemSize, StepFormulation, step_sizes,
+    Fesd, FormulationSize, InitialValueProblem, StepFormulation, step_sizes,
 };
 
 use crate::json::{Object, SCHEMA};
@@ -49,11 +49,14 @@ impl Sizes {
             return sizes;
         }
         let problem = Problem::of(&*chosen.model, INTERVALS);
-        let phases = program_sizes(&*chosen.model, &problem, &Settings::default());
-        sizes.add("optimal control", phases);
-        let settings = time_freezing(TimeFreezingSettings::default());
-        let program = program_sizes(&*chosen.model, &problem, &settings);
-        sizes.add("optimal control, time-freezing program", program);
+        let frozen = time_freezing(TimeFreezingSettings::default());
+        for (name, settings) in [
+            ("optimal control", Settings::default()),
+            ("optimal control, time-freezing program", frozen),
+        ] {
+            let program = program_size(&*chosen.model, &problem, &settings);
+            sizes.add(name, program.map(|own| vec![own]));
+        }
         let published = chosen.scene.published_sizes.iter();
         sizes.comparisons = published.map(|known| compare(chosen, known)).collect();
         sizes
@@ -72,11 +75,19 @@ impl Sizes {
             "sizes as the solvers see them (fixed variables and rows without bounds are left out)\n\n",
         );
         let rows = self.formulations.iter().map(|formulation| {
-            let mut row = vec![formulation.formulation.clone()];
-            row.extend(numbers(formulation.size()));
-            row
+            let size = formulation.size;
+            vec![
+                formulation.formulation.clone(),
+                size.variables.to_string(),
+                size.equalities.to_string(),
+                size.inequalities.to_string(),
+                size.complementarities.to_string(),
+                size.jacobian_nonzeros.to_string(),
+                size.hessian_nonzeros.to_string(),
+                formulation.discretization.clone(),
+            ]
         });
-        text += &table(
+        text += &described(
             [
                 "formulation",
                 "variables",
@@ -85,35 +96,13 @@ impl Sizes {
                 "pairs",
                 "Jacobian",
                 "Hessian",
+                "grid",
             ],
             rows,
         );
         text += "  Jacobian, Hessian: structural nonzeros\n";
         for (name, why) in &self.refused {
             let _ = writeln!(text, "\n{name}: not for this scene: {why}");
-        }
-        for formulation in &self.formulations {
-            let (name, grid) = (&formulation.formulation, &formulation.discretization);
-            let _ = writeln!(text, "\n{name} ({grid})");
-            let rows = formulation.groups.iter().map(|group| {
-                let mut row = vec![group.name.to_owned()];
-                row.extend(numbers(group.size));
-                row.push(group.why.to_owned());
-                row
-            });
-            text += &described(
-                [
-                    "group",
-                    "variables",
-                    "equations",
-                    "inequalities",
-                    "pairs",
-                    "Jacobian",
-                    "Hessian",
-                    "what for",
-                ],
-                rows,
-            );
         }
         for comparison in &self.comparisons {
             text += &comparison.text();
@@ -131,7 +120,7 @@ impl Sizes {
         Object::default()
             .with("schema", SCHEMA)
             .with("scene", chosen.scene.name)
-            .with("formulations", formulations(&self.formulations))
+            .with("formulations", &self.formulations)
             .with("refused", refused.collect::<Vec<_>>())
             .with("published", published.collect::<Vec<_>>())
             .text()
@@ -166,20 +155,21 @@ fn compare(chosen: &ChosenScene, published: &'static PublishedSize) -> Compariso
     settings.scheme = published.scheme;
     settings.stages = published.stages;
     settings.elements = published.elements;
-    let mut ours = Vec::new();
-    let mut add = |settings: &Settings| {
-        // What this grid is not possible for has no size on it.
-        let found = program_sizes(&*chosen.model, &problem, settings);
-        ours.extend(found.unwrap_or_default());
-    };
-    add(&time_freezing(settings));
+    let mut all = vec![time_freezing(settings)];
     if published.scheme == Scheme::RadauIia {
         let mut settings = Settings::default();
         settings.stages = published.stages;
         settings.elements = published.elements;
-        add(&settings);
+        all.push(settings);
     }
-    Comparison { published, ours }
+    // What this grid is not possible for has no size on it.
+    let ours = all
+        .iter()
+        .filter_map(|settings| program_size(&*chosen.model, &problem, settings).ok());
+    Comparison {
+        published,
+        ours: ours.collect(),
+    }
 }
 
 impl Comparison {
@@ -193,7 +183,7 @@ impl Comparison {
             .with("constraints", known.constraints)
             .with("jacobian_nonzeros", known.jacobian_nonzeros)
             .with("hessian_nonzeros", known.hessian_nonzeros)
-            .with("ours", formulations(&self.ours))
+            .with("ours", &self.ours)
     }
 
     fn text(&self) -> String {
@@ -210,7 +200,7 @@ impl Comparison {
             "100 %".to_owned(),
         ];
         let ours = self.ours.iter().map(|own| {
-            let size = own.size();
+            let size = own.size;
             vec![
                 format!("{}, {}", own.formulation, own.discretization),
                 size.variables.to_string(),
@@ -225,33 +215,4 @@ impl Comparison {
         );
         text
     }
-}
-
-/// The numbers of a size in the order of the tables.
-fn numbers(size: ProblemSize) -> [String; 6] {
-    [
-        size.variables,
-        size.equalities,
-        size.inequalities,
-        size.complementarities,
-        size.jacobian_nonzeros,
-        size.hessian_nonzeros,
-    ]
-    .map(|number| number.to_string())
-}
-
-/// The entries of formulations, with what each group of variables and equations is there for.
-fn formulations(list: &[FormulationSize]) -> Vec<Object> {
-    let entry = |known: &FormulationSize| {
-        let groups = known.groups.iter().map(|group| {
-            let object = Object::default().with("group", group.name);
-            object.with("why", group.why).with("size", group.size)
-        });
-        Object::default()
-            .with("formulation", &known.formulation)
-            .with("discretization", &known.discretization)
-            .with("size", known.size())
-            .with("groups", groups.collect::<Vec<_>>())
-    };
-    list.iter().map(entry).collect()
 }

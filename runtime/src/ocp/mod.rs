@@ -108,7 +108,7 @@ pub use previous::Previous;
 pub use problem::{CompletedStart, Horizon, Problem};
 pub use rules::{RULES, Rule, RulePart};
 pub use settings::{ControlNodes, Formulation, Guess, Settings, TimeFreezingSettings};
-pub use size::program_sizes;
+pub use size::program_size;
 pub use solution::{
     Counts, Excess, Improvement, Margin, Optimum, RelaxedReport, Solution, Source, Status,
     TimeFreezingReport, WordCounts,

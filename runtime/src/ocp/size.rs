@@ -10,7 +10,6 @@ use super::motion::candidate::Candidate;
 use super::motion::passages::with_passages;
 use super::motion::sequence::Sequence;
 use super::problem::{Problem, bounds};
-use super::program::purposes::groups;
 use super::program::units::Units;
 use super::scale::Scale;
 use super::search::replay::simulated;
@@ -20,16 +19,17 @@ use super::unknown::with_unknowns;
 use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::{FormulationSize, InputError};
+use crate::size::assembled;
 
-/// The sizes of the programs that [`solve`](super::solve) makes of a problem under `settings`: the
-/// collocation with the contact sequence of the ride without controls, or the program of the time-freezing formulation.
+/// The size of the program that [`solve`](super::solve) makes of a problem under `settings`: the collocation with the contact
+/// sequence of the ride without controls, or the program of the time-freezing formulation.
 ///
 /// # Errors
 /// [`InputError`] if problem or settings are refused.
 ///
 /// # Examples
 /// ```
-/// use hangtime::ocp::{Problem, Settings, program_sizes};
+/// use hangtime::ocp::{Problem, Settings, program_size};
 /// # hangtime::model! {
 /// #     /// A cart that is pushed.
 /// #     pub Cart {
@@ -43,16 +43,16 @@ use crate::simulation::{FormulationSize, InputError};
 /// #     }
 /// # }
 /// let cart = Cart::default();
-/// let sizes = program_sizes(&cart, &Problem::of(&cart, 4), &Settings::default())?;
+/// let own = program_size(&cart, &Problem::of(&cart, 4), &Settings::default())?;
 /// // Four stages with (y, v) in each interval, its control, and the final time.
-/// assert_eq!(sizes[1].size().variables, 4 * (4 * 2 + 1) + 1);
+/// assert_eq!(own.size.variables, 4 * (4 * 2 + 1) + 1);
 /// # Ok::<(), hangtime::InputError>(())
 /// ```
-pub fn program_sizes(
+pub fn program_size(
     model: &dyn Model,
     problem: &Problem,
     settings: &Settings,
-) -> Result<Vec<FormulationSize>, InputError> {
+) -> Result<FormulationSize, InputError> {
     settings.check()?;
     let unknown = with_unknowns(model, problem, settings)?;
     let (model, problem) = match &unknown {
@@ -69,7 +69,7 @@ pub fn program_sizes(
     problem.check(model)?;
     match &settings.formulation {
         Formulation::Phases => phases(model, problem, settings),
-        Formulation::TimeFreezing(settings) => Ok(vec![time_freezing(model, problem, settings)?]),
+        Formulation::TimeFreezing(settings) => time_freezing(model, problem, settings),
     }
 }
 
@@ -88,7 +88,7 @@ fn time_freezing(
             problem.intervals,
             settings.elements_of(model)
         ),
-        groups: program.groups(),
+        size: assembled(&program),
     })
 }
 
@@ -96,7 +96,7 @@ fn phases(
     model: &dyn Model,
     problem: &Problem,
     settings: &Settings,
-) -> Result<Vec<FormulationSize>, InputError> {
+) -> Result<FormulationSize, InputError> {
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
     let guessed = guess(model, problem, &settings.guess, bounds)?;
@@ -107,7 +107,6 @@ fn phases(
     let parabolas = parabolas(model, &problem.start());
     let scene = (model, problem);
     let setting = Setting::new(scene, settings, (&tableau, &units), (bounds, &parabolas));
-    let declaration = model.declaration();
     let ridden = simulated(setting, &guessed, settings.replay_tolerance)?;
     let sequence = Sequence::without_switches(modes_at_start(setting, &guessed));
     let sequence = with_passages(model, sequence, &guessed, false);
@@ -119,7 +118,7 @@ fn phases(
     let (sequence, motion) = (&candidate.sequence, &candidate.trajectory);
     let elements = vec![settings.elements; problem.intervals];
     let fine = transcribe(setting, sequence, motion, &[], &elements);
-    let collocation = FormulationSize {
+    Ok(FormulationSize {
         formulation: "optimal control, collocation".to_owned(),
         discretization: format!(
             "{}, {} stages, {} intervals x {} elements, {} contact switches as in the ride",
@@ -129,7 +128,6 @@ fn phases(
             settings.elements,
             sequence.switches.len()
         ),
-        groups: groups(&fine.program, declaration),
-    };
-    Ok(vec![collocation])
+        size: assembled(&fine.program),
+    })
 }

@@ -38,7 +38,7 @@ mod watch;
 pub use crate::InputError;
 pub use crate::contact::{ContactMode, Direction};
 pub use crate::joints::joint_forces;
-pub use crate::size::{FormulationSize, SizeGroup};
+pub use crate::size::FormulationSize;
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation, step_sizes};
 pub use hangtime_solver::nlp::Residuals;

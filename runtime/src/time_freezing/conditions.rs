@@ -5,7 +5,6 @@ use super::names;
 use super::task::Guess;
 use super::transcription::{Transcription, Turn};
 use crate::program::kernel::Kernel;
-use crate::size::Purpose;
 
 /// Declares the pairs of all conditions: each is false or true in all of an element, and comes true where it was false and its function
 /// vanishes, and where no other one sets the same.
@@ -70,9 +69,8 @@ pub(super) fn add_rows(
             condition, sets, ..
         } = turn;
         let own = names::contact(&transcription.field, condition);
-        let [side, either] = [("side", 0.0), ("place", 1.0)].map(|(what, value)| {
-            transcription.row(format!("{what} of {own}"), Purpose::Friction, value)
-        });
+        let [side, either] = [("side", 0.0), ("place", 1.0)]
+            .map(|(what, value)| transcription.row(format!("{what} of {own}"), value));
         let [now, earlier] = [e, e - 1].map(|e| transcription.sum_that_holds(e, condition));
         let program = &mut transcription.program;
         for (row, variable, factor) in [

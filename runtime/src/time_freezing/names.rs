@@ -1,11 +1,9 @@
-//! What the places of a local vector are called, and what they are there for.
+//! What the places of a local vector are called.
 
 use hangtime_solver::mpcc::Mpcc as _;
 
 use super::field::Field;
-use super::layout::Layout;
 use crate::program::sparse_program::Program;
-use crate::size::Purpose;
 
 /// Name of a contact.
 pub(super) fn contact(field: &Field<'_>, contact: usize) -> &'static str {
@@ -53,42 +51,5 @@ pub(super) fn pair(program: &Program<'_>, index: usize) -> String {
             format!("{one} _|_ {other} {place}")
         }
         _ => format!("{first} _|_ {second}"),
-    }
-}
-
-/// What a state is there for.
-pub(super) fn purpose_of_state(layout: &Layout, place: usize) -> Purpose {
-    let time = layout.time();
-    match place {
-        place if place < time => Purpose::State,
-        place if place == time => Purpose::Clock,
-        place if layout.dip_of(place).is_some() => Purpose::Restitution,
-        _ => Purpose::Gap,
-    }
-}
-
-/// What a place is there for.
-pub(super) fn purpose(layout: &Layout, place: usize) -> Purpose {
-    if place < layout.states() {
-        return purpose_of_state(layout, place);
-    }
-    if place < layout.first_algebraic() {
-        return Purpose::Control;
-    }
-    match layout.algebraic_symbol(place) {
-        Some(("alpha" | "beta" | "lp" | "ln" | "p" | "w", _)) => Purpose::StepFunction,
-        Some(("f" | "r", _)) => Purpose::Restitution,
-        Some(("ahead" | "behind", _)) => Purpose::Edge,
-        Some(_) => Purpose::Friction,
-        None => Purpose::SeveralContacts,
-    }
-}
-
-/// What the sums of a group are there for.
-pub(super) fn purpose_of_sums(layout: &Layout, group: usize) -> Purpose {
-    match group.checked_sub(layout.contacts()) {
-        None => Purpose::CrossComplementarity,
-        Some(rough) if rough < layout.frictions() => Purpose::Friction,
-        Some(_) => Purpose::Restitution,
     }
 }

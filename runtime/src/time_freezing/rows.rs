@@ -1,16 +1,15 @@
 //! The rows of the time-freezing system, all of them products of unknowns and of functions of the model.
 
+use super::conditions;
 use super::layout::{
     AHEAD, ALPHA, BEHIND, BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, LAMBDA_PLUS, Layout, P, RISE,
     SLIP_MINUS, SLIP_PLUS, W,
 };
 use super::transcription::{Block, SUMS, Transcription};
-use super::{conditions, names};
 use crate::model::held::is_held;
 use crate::program::joint_rows::Decided;
 use crate::program::kernel::Kernel;
 use crate::program::parts::OBJECTIVE;
-use crate::size::Purpose;
 
 /// Weight of the step equilibration: small enough to leave the complementarity to the solver, large
 /// enough to fix the lengths that nothing else does.
@@ -38,22 +37,17 @@ fn add_start(transcription: &mut Transcription<'_>) {
     }
     let block = transcription.beginning.clone();
     let what = "switching functions at the start";
-    add_algebraic(transcription, &block, (&[], what), Some(Purpose::FreeStart));
+    add_algebraic(transcription, &block, (&[], what));
     if transcription.gaps_are_free() {
         for contact in 0..transcription.field.layout.contacts() {
-            add_gap(transcription, &block, contact, (what, Purpose::FreeStart));
+            add_gap(transcription, &block, contact, what);
         }
     }
 }
 
 /// The row `G_i - g_i(q) = 0`.
-fn add_gap(
-    transcription: &mut Transcription<'_>,
-    block: &Block,
-    contact: usize,
-    (name, purpose): (&str, Purpose),
-) {
-    let row = transcription.row(name.to_owned(), purpose, 0.0);
+fn add_gap(transcription: &mut Transcription<'_>, block: &Block, contact: usize, name: &str) {
+    let row = transcription.row(name, 0.0);
     let gap = transcription.field.layout.lifted_gap(contact);
     add_terms(transcription, row, block, &[(gap, 1.0)]);
     add_contact(transcription, block, contact, &[], vec![(row, 0, -1.0)]);
@@ -63,7 +57,7 @@ fn add_gap(
 fn add_interval(transcription: &mut Transcription<'_>, k: usize) {
     let interval = transcription.interval_name(k);
     let name = format!("sum of the element lengths of {interval}");
-    let row = transcription.row(name, Purpose::ElementLength, 1.0);
+    let row = transcription.row(name, 1.0);
     let count = transcription.task.elements;
     for element in &transcription.elements[k * count..(k + 1) * count] {
         transcription.program.linear(row, element.length, 1.0);
@@ -75,7 +69,7 @@ fn add_interval(transcription: &mut Transcription<'_>, k: usize) {
         clock(&transcription.beginning),
     );
     let name = format!("clock at the end of {interval}");
-    let row = transcription.row(name, Purpose::Clock, 0.0);
+    let row = transcription.row(name, 0.0);
     let share = (k as f64 + 1.0) / transcription.intervals.len() as f64;
     let horizon = transcription.outer.horizon;
     if let (Some(end), Some(start)) = ends {
@@ -99,23 +93,21 @@ fn add_element(transcription: &mut Transcription<'_>, e: usize) {
     let what = format!("switching functions of {name}");
     for block in &element.blocks {
         let clock = transcription.passing(e, block)[2..].to_vec();
-        add_algebraic(transcription, block, (&clock, &what), None);
+        add_algebraic(transcription, block, (&clock, &what));
     }
     let what = format!("gaps of {name}");
     for correction in &element.corrections {
         for block in &element.blocks {
-            let purpose = (&what[..], Purpose::Gap);
-            add_gap(transcription, block, correction.contact, purpose);
+            add_gap(transcription, block, correction.contact, &what);
         }
     }
     for block in &element.blocks {
         add_drive(transcription, element.interval, block);
     }
     for group in 0..transcription.groups.len() {
-        let purpose = names::purpose_of_sums(&transcription.field.layout, group);
         for sum in 0..SUMS {
             let name = format!("cross complementarity of {name}");
-            let row = transcription.row(name, purpose, 0.0);
+            let row = transcription.row(name, 0.0);
             let own = element.sums + SUMS * group + sum;
             let terms = transcription.sum_terms(e, group, sum);
             let program = &mut transcription.program;
@@ -145,8 +137,7 @@ fn add_collocation(transcription: &mut Transcription<'_>, e: usize, name: &str) 
                 own.push(None);
                 continue;
             }
-            let purpose = names::purpose_of_state(&layout, k);
-            let row = transcription.row(format!("collocation of {name}"), purpose, 0.0);
+            let row = transcription.row(format!("collocation of {name}"), 0.0);
             add_terms(transcription, row, block, &[(k, 1.0)]);
             add_terms(transcription, row, &before, &[(k, -1.0)]);
             for (correction, direction) in element.corrections.iter().zip(&directions) {
@@ -325,15 +316,12 @@ fn add_algebraic(
     transcription: &mut Transcription<'_>,
     block: &Block,
     (clock, name): (&[usize], &str),
-    purpose: Option<Purpose>,
 ) {
     let layout = transcription.field.layout.clone();
-    let purpose = |own: Purpose| purpose.unwrap_or(own);
     for contact in 0..layout.contacts() {
         let place = |offset: usize| layout.algebraic(contact, offset);
-        let own = purpose(Purpose::StepFunction);
         let new = |transcription: &mut Transcription<'_>, value: f64, terms: &[Term]| {
-            let row = transcription.row(name.to_owned(), own, value);
+            let row = transcription.row(name, value);
             add_terms(transcription, row, block, terms);
             row
         };
@@ -354,15 +342,10 @@ fn add_algebraic(
         terms.extend(ahead.map(|(k, _)| (layout.edge_place(k, AHEAD), 1.0)));
         new(transcription, 0.0, &terms);
     }
-    add_friction(
-        transcription,
-        block,
-        (clock, name),
-        purpose(Purpose::Friction),
-    );
+    add_friction(transcription, block, (clock, name));
     if !block.boundary {
         for (j, contact) in layout.elastic.iter().copied().enumerate() {
-            let row = transcription.row(name.to_owned(), Purpose::Restitution, 0.0);
+            let row = transcription.row(name, 0.0);
             let parts = [FALL, RISE].map(|offset| (layout.rebound_place(j, offset), 1.0));
             let weight = (layout.algebraic(contact, BETA), -1.0);
             add_terms(transcription, row, block, &parts);
@@ -372,7 +355,7 @@ fn add_algebraic(
     for contact in 0..layout.contacts() {
         let mut before = margin(&layout, contact);
         for (k, other) in layout.edges_of(contact) {
-            let row = transcription.row(name.to_owned(), purpose(Purpose::Edge), 0.0);
+            let row = transcription.row(name, 0.0);
             let (ahead, behind) = (layout.edge_place(k, AHEAD), layout.edge_place(k, BEHIND));
             let lead = [
                 (layout.lifted_gap(other), -1.0),
@@ -388,7 +371,7 @@ fn add_algebraic(
         return;
     }
     for count in 2..=layout.contacts() {
-        let row = transcription.row(name.to_owned(), Purpose::SeveralContacts, 0.0);
+        let row = transcription.row(name, 0.0);
         add_terms(transcription, row, block, &[(layout.product(count), 1.0)]);
         let factors = [
             layout.product(count - 1),
@@ -404,7 +387,6 @@ fn add_friction(
     transcription: &mut Transcription<'_>,
     block: &Block,
     (clock, name): (&[usize], &str),
-    purpose: Purpose,
 ) {
     let layout = transcription.field.layout.clone();
     let a_bar = transcription.field.auxiliary_acceleration;
@@ -412,7 +394,7 @@ fn add_friction(
         let place = |offset: usize| layout.friction_place(r, offset);
         if !block.boundary {
             let all = f64::from(layout.is_condition(contact));
-            let row = transcription.row(name.to_owned(), purpose, all);
+            let row = transcription.row(name, all);
             let parts = [(place(SLIP_PLUS), 1.0), (place(SLIP_MINUS), 1.0)];
             add_terms(transcription, row, block, &parts);
             if layout.is_condition(contact) {
@@ -428,7 +410,7 @@ fn add_friction(
                 }
             }
         }
-        let row = transcription.row(name.to_owned(), purpose, 0.0);
+        let row = transcription.row(name, 0.0);
         let parts = [(place(C_PLUS), -1.0), (place(C_MINUS), 1.0)];
         add_terms(transcription, row, block, &parts);
         let [q, v, u] = transcription.inputs(block);
@@ -462,8 +444,8 @@ fn add_drive(transcription: &mut Transcription<'_>, interval: usize, block: &Blo
         let unit = transcription.program.unit(control);
         let name = format!("line of {}", transcription.program.name(control));
         if let Some(&after) = own.ends.get(i) {
-            let row = transcription.row_in(unit, name, Purpose::Control, 0.0);
             let program = &mut transcription.program;
+            let row = program.row_in(unit, name, 0.0, 0.0);
             program.bilinear(row, horizon, control, 1.0 / length);
             program.bilinear(row, horizon, before, -(1.0 + k) / length);
             program.bilinear(row, horizon, after, k / length);

@@ -8,6 +8,7 @@ use super::transcription::Transcription;
 use crate::model::Model;
 use crate::program::sparse_program::Program;
 use crate::rk::{ButcherTableau, Scheme};
+use crate::size::assembled;
 use hangtime_solver::mpcc::Mpcc as _;
 use hangtime_solver::nlp::{NlpProblem, check_derivatives};
 
@@ -111,20 +112,8 @@ fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
     let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
     let sizes = |model: &dyn Model| {
         let program = program(model, &tableau, Unknown::Nothing, 3).program;
-        let (mut lower, mut upper) = (
-            vec![0.0; program.variables()],
-            vec![0.0; program.variables()],
-        );
-        program.variable_bounds(&mut lower, &mut upper);
-        let free = lower
-            .iter()
-            .zip(&upper)
-            .filter(|(lower, upper)| lower < upper);
-        (
-            free.count(),
-            program.constraints(),
-            program.complementarities().len(),
-        )
+        let size = assembled(&program);
+        (size.variables, size.equalities, size.complementarities)
     };
     let (plain, rough) = (sizes(&Bead::default()), sizes(&RoughBead::default()));
     // An element and stage: 7 states, 12 step variables, one product; an element: its length, 8 sums.

@@ -8,7 +8,6 @@ use super::task::{Guess, Outer, Task};
 use crate::model::held::{first_of_stages, is_held};
 use crate::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
-use crate::size::Purpose;
 
 /// Smallest element length relative to the nominal one: elements of length zero would make the Jacobian
 /// singular.
@@ -106,8 +105,6 @@ pub(crate) struct Transcription<'a> {
     pub(super) groups: Vec<Group>,
     /// Most of the numerical time relative to the physical time.
     pub(super) speed_bound: f64,
-    /// What variables and rows are there for, of those that are told.
-    purposes: [Vec<Option<Purpose>>; 2],
 }
 
 impl<'a> Transcription<'a> {
@@ -126,7 +123,6 @@ impl<'a> Transcription<'a> {
             intervals: Vec::with_capacity(task.intervals),
             elements: Vec::with_capacity(task.intervals * task.elements),
             speed_bound: SPEED_OF_TIME,
-            purposes: [Vec::new(), Vec::new()],
             tableau: tableau.clone(),
             program,
             field,
@@ -149,41 +145,13 @@ impl<'a> Transcription<'a> {
     }
 
     /// Adds a variable.
-    pub(crate) fn take(&mut self, name: String, purpose: Purpose, range: (f64, f64)) -> usize {
-        self.take_in(1.0, name, purpose, range)
-    }
-
-    /// Adds a variable that the solver sees divided by a unit.
-    pub(crate) fn take_in(
-        &mut self,
-        unit: f64,
-        name: String,
-        purpose: Purpose,
-        range: (f64, f64),
-    ) -> usize {
-        let variable = self.program.variable(name, range, 0.0, unit);
-        self.purposes[0].resize(variable, None);
-        self.purposes[0].push(Some(purpose));
-        variable
+    pub(crate) fn take(&mut self, name: String, range: (f64, f64)) -> usize {
+        self.program.variable(name, range, 0.0, 1.0)
     }
 
     /// Adds a row that has this value.
-    pub(crate) fn row(&mut self, name: String, purpose: Purpose, value: f64) -> usize {
-        self.row_in(1.0, name, purpose, value)
-    }
-
-    /// Adds a row that has this value and that the solver sees divided by a unit.
-    pub(crate) fn row_in(
-        &mut self,
-        unit: f64,
-        name: String,
-        purpose: Purpose,
-        value: f64,
-    ) -> usize {
-        let row = self.program.row_in(unit, name, value, value);
-        self.purposes[1].resize(row, None);
-        self.purposes[1].push(Some(purpose));
-        row
+    pub(crate) fn row(&mut self, name: impl Into<String>, value: f64) -> usize {
+        self.program.row(name, value, value)
     }
 
     /// Terms (place, factor, variable) of the weight with which a contact presses, each times a product: where its coefficient of
@@ -235,16 +203,6 @@ impl<'a> Transcription<'a> {
     pub(crate) fn size_of_provision(&self, number: usize) -> f64 {
         let contact = number.checked_sub(self.contacts());
         contact.map_or(1.0, |contact| self.field.friction(contact))
-    }
-
-    /// What a variable is there for, as far as it is told.
-    pub(crate) fn purpose_of_variable(&self, index: usize) -> Option<Purpose> {
-        self.purposes[0].get(index).copied().flatten()
-    }
-
-    /// What a row is there for, as far as it is told.
-    pub(crate) fn purpose_of_row(&self, index: usize) -> Option<Purpose> {
-        self.purposes[1].get(index).copied().flatten()
     }
 
     /// Whether a component of `(q, v)` is free at the start.
@@ -304,7 +262,7 @@ impl<'a> Transcription<'a> {
                     (value, value)
                 };
                 let name = format!("{} at the start", names::local(&self.field, place));
-                let variable = self.take(name, Purpose::FreeStart, range);
+                let variable = self.take(name, range);
                 self.program.set_guess(variable, value);
                 Some(variable)
             } else {
@@ -344,7 +302,7 @@ impl<'a> Transcription<'a> {
         let (least, most) = self.program.bounds(self.outer.horizon);
         let name = format!("numerical length of {}", self.interval_name(k));
         let range = (least / count, self.speed_bound * most / count);
-        let length = self.take(name, Purpose::Clock, range);
+        let length = self.take(name, range);
         let linear = self.task.linear;
         let nodes = &self.outer.controls;
         self.intervals.push(Interval {
@@ -378,11 +336,10 @@ impl<'a> Transcription<'a> {
         let before = self.elements.last().filter(|_| alike);
         let length = match before.map(|before| before.length) {
             Some(length) => length,
-            None => self.take(
-                format!("length of {element}"),
-                Purpose::ElementLength,
-                (SHORTEST * self.nominal(), 1.0),
-            ),
+            None => {
+                let range = (SHORTEST * self.nominal(), 1.0);
+                self.take(format!("length of {element}"), range)
+            }
         };
         let stages = self.tableau.stages();
         let count = stages + usize::from(!self.tableau.stiffly_accurate());
@@ -396,7 +353,7 @@ impl<'a> Transcription<'a> {
             let along = names::contact(&self.field, contact);
             let name = |place: &String| format!("correction along {along} at {place}");
             let variables = places.iter().map(name);
-            let variables = variables.map(|name| self.take(name, Purpose::Gap, FREE));
+            let variables = variables.map(|name| self.take(name, FREE));
             let variables = variables.collect();
             Correction { contact, variables }
         });
@@ -405,8 +362,7 @@ impl<'a> Transcription<'a> {
         for group in 0..self.groups.len() {
             for sum in 0..SUMS {
                 let name = format!("sum of {} in {element}", self.summed_name(group, sum));
-                let purpose = names::purpose_of_sums(&self.field.layout, group);
-                self.take(name, purpose, POSITIVE);
+                self.take(name, POSITIVE);
             }
         }
         let turns = self.take_turns(e, &element);
@@ -437,10 +393,8 @@ impl<'a> Transcription<'a> {
         let conditions = self.field.layout.conditions.clone().into_iter();
         let turn = |condition| {
             let own = names::contact(&self.field, condition);
-            let mut take = |what: &str| {
-                let name = format!("{what} of {own} in {element}");
-                self.take(name, Purpose::Friction, POSITIVE)
-            };
+            let mut take =
+                |what: &str| self.take(format!("{what} of {own} in {element}"), POSITIVE);
             Turn {
                 condition,
                 sets: ["beginning", "waiting"].map(&mut take),
@@ -484,8 +438,7 @@ impl<'a> Transcription<'a> {
                 shared.filter(|_| !own && control < Some(first))
             };
             let name = format!("{} at {place}", names::local(&self.field, k));
-            let purpose = names::purpose(&layout, k);
-            let new = |range| self.take_in(unit, name, purpose, range);
+            let new = |range| self.program.variable(name, range, 0.0, unit);
             variables.push(known.or_else(|| range.map(new)));
         }
         Block {

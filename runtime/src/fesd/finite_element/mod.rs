@@ -43,7 +43,7 @@ mod size;
 mod stage_clock;
 
 pub(crate) use motion_size::MotionSize;
-pub(crate) use size::groups;
+pub(crate) use size::size;
 
 use super::constraints::Constraints;
 use crate::contact::ActiveContact;

@@ -29,7 +29,6 @@ use crate::model::{ContactTerms, OptimalControlDeclaration};
 use crate::ocp::collocation::provided::read;
 use crate::ocp::program::frame::{Frame, Provided, Sum, condition};
 use crate::program::kernel::Kernel;
-use crate::size::Purpose;
 use crate::time_freezing::laid_out::spans_of_elements;
 use crate::time_freezing::task::{Guess, Span};
 use crate::time_freezing::transcription::Transcription;
@@ -170,8 +169,9 @@ fn forces(
         let name = format!("force {} at {place}", name_of(transcription, number));
         let a_bar = transcription.field.auxiliary_acceleration;
         let unit = a_bar * transcription.size_of_provision(number);
-        let force = transcription.take_in(unit, name.clone(), Purpose::ForceTerm, FREE);
-        let row = transcription.row_in(unit, name, Purpose::ForceTerm, 0.0);
+        let program = &mut transcription.program;
+        let force = program.variable(name.clone(), FREE, 0.0, unit);
+        let row = program.row_in(unit, name, 0.0, 0.0);
         let block = &transcription.elements[e].blocks[stage];
         let speed = transcription.passing(e, block)[2..].to_vec();
         let weights = weights(transcription, number, (e, stage));
@@ -230,8 +230,8 @@ fn add_impacts(
     }
     for k in 0..terms.sums {
         let name = format!("sum {k} over impacts");
-        let variable = transcription.take(name.clone(), Purpose::ForceTerm, FREE);
-        let row = transcription.row(name, Purpose::ForceTerm, 0.0);
+        let variable = transcription.take(name.clone(), FREE);
+        let row = transcription.row(name, 0.0);
         transcription.program.linear(row, variable, 1.0);
         frame.sums.push(Sum { variable, row });
     }
@@ -312,8 +312,8 @@ fn impulse(transcription: &mut Transcription<'_>, number: usize, elements: Range
         }
     }
     let name = format!("impulse {} from {first} on", name_of(transcription, number));
-    let impulse = transcription.take(name.clone(), Purpose::ForceTerm, FREE);
-    let row = transcription.row(name, Purpose::ForceTerm, 0.0);
+    let impulse = transcription.take(name.clone(), FREE);
+    let row = transcription.row(name, 0.0);
     let guess = value(transcription, &terms);
     let program = &mut transcription.program;
     program.set_guess(impulse, guess);

@@ -12,14 +12,13 @@ use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::frame::Frame;
-use crate::ocp::program::purposes::groups_of_step_form;
 use crate::ocp::program::units::Units;
 use crate::ocp::settings::{self, TimeFreezingSettings};
 use crate::ocp::tuning::candidates::SAMPLES;
 use crate::program::sparse_program::Program;
 use crate::refusal;
 use crate::rk::ButcherTableau;
-use crate::simulation::{InitialValueProblem, InputError, SizeGroup};
+use crate::simulation::{InitialValueProblem, InputError};
 use crate::time_freezing::conditions;
 use crate::time_freezing::field::Field;
 use crate::time_freezing::modes;
@@ -157,14 +156,6 @@ impl<'a> TimeFreezing<'a> {
     /// Whether functions that the scene declares read forces or impulses of which the program knows nothing.
     pub(in crate::ocp) fn leaves_out_forces(&self) -> bool {
         declared::leaves_out_forces(&self.transcription)
-    }
-
-    /// What its variables and rows are there for.
-    pub(in crate::ocp) fn groups(&self) -> Vec<SizeGroup> {
-        groups_of_step_form(
-            &self.transcription,
-            self.transcription.field.model.declaration(),
-        )
     }
 
     /// The motion at the point `x` of the program.

@@ -5,7 +5,6 @@
 pub(in crate::ocp) mod frame;
 mod given;
 pub(in crate::ocp) mod ledger;
-pub(in crate::ocp) mod purposes;
 pub(in crate::ocp) mod runner;
 pub(in crate::ocp) mod start_joints;
 pub(in crate::ocp) mod units;
