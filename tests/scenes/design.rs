@@ -448,20 +448,17 @@ fn what_cannot_be_done_with_free_parameters_is_refused_by_name() {
 
 #[test]
 fn free_parameter_is_one_variable_of_each_program_and_nothing_else() {
-    use hangtime::ocp::{Problem, program_sizes};
-    let sizes = |text: &str| -> Vec<[usize; 2]> {
+    use hangtime::ocp::{Problem, program_size};
+    let size = |text: &str| -> [usize; 2] {
         let scene = scene(text);
         let problem = Problem::of(&scene, 4);
-        let sizes = program_sizes(&scene, &problem, &Settings::default()).expect("accepted");
-        sizes
-            .iter()
-            .map(|known| [known.size().variables, known.size().equalities])
-            .collect()
+        let own = program_size(&scene, &problem, &Settings::default()).expect("accepted");
+        [own.size.variables, own.size.equalities]
     };
     let plain = WAVES.replace(
         "free w: rad/m in 0.4..=1.6 = 0.8",
         "parameters { w: rad/m = 0.8 }",
     );
-    let with_one_more: Vec<[usize; 2]> = sizes(&plain).iter().map(|&[n, m]| [n + 1, m]).collect();
-    assert_eq!(sizes(WAVES), with_one_more);
+    let [n, m] = size(&plain);
+    assert_eq!(size(WAVES), [n + 1, m]);
 }

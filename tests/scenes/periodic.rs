@@ -21,11 +21,11 @@ fn shaken(goals: &str, turns: &str) -> String {
 
 #[test]
 fn what_is_remembered_of_the_start_is_a_variable_each_and_nothing_where_nothing_is() {
-    use hangtime::ocp::{Problem, Settings, program_sizes};
+    use hangtime::ocp::{Problem, Settings, program_size};
     let variables = |goals: &str| {
         let scene = of_text("scene.hang", &shaken(goals, "2")).expect("no mistakes");
-        let sizes = program_sizes(&scene, &Problem::of(&scene, 10), &Settings::default());
-        sizes.expect("accepted")[1].size().variables
+        let own = program_size(&scene, &Problem::of(&scene, 10), &Settings::default());
+        own.expect("accepted").size.variables
     };
     let plain = variables("x == 0 [m], dot(x) == 0 [m/s]");
     assert_eq!(variables("x == start(x), dot(x) == 0 [m/s]"), plain + 1);

@@ -177,17 +177,17 @@ fn only_what_is_declared_adds_to_the_assembled_systems() {
 
 /// A hop from a floor and back to it.
 macro_rules! hop {
-    ($name:ident; $($friction:tt)*) => {
+    ($name:ident; $($impact:tt)*) => {
         hangtime::model! {
             /// A hop from a floor.
             $name {
-                parameters { m: kg = 1, g: m/s^2 = 10, mu = 0, d: m = 0.5 }
+                parameters { m: kg = 1, g: m/s^2 = 10, d: m = 0.5 }
                 coordinates { y: m, z: m }
                 controls { u: N in -10..=10, p: N in 0..=30 }
                 lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
                 forces { y: u, z: p }
                 surface floor: z >= 0
-                impact floor: inelastic $($friction)*
+                $($impact)*
                 minimize integral(u^2 + p^2)
                 finally { y == d, dot(y) == 0 }
                 horizon 1 [s]
@@ -197,8 +197,8 @@ macro_rules! hop {
     };
 }
 
-hop! { Hop; , friction mu }
-hop! { SmoothHop; }
+hop! { Hop; parameters { mu = 0 } impact floor: inelastic, friction mu }
+hop! { SmoothHop; impact floor: inelastic }
 
 #[test]
 fn friction_of_zero_is_no_friction_and_costs_nothing() {

@@ -1,7 +1,7 @@
 //! Sizes of programs and of elements of scenes with joints, and a wheel; optima stand in `tests/cases/optima.md`.
 
 use super::scene;
-use hangtime::ocp::{Problem, Settings, program_sizes};
+use hangtime::ocp::{Problem, Settings, program_size};
 use hangtime::prelude::*;
 use hangtime::simulation::{InitialValueProblem, step_sizes};
 use hangtime_scene_files::TextScene;
@@ -48,16 +48,11 @@ fn joints_add_neither_unknowns_nor_equations_to_a_program() -> Result<(), InputE
          horizon 1 [s]";
     let sizes = |joint: &str| {
         let scene = scene(&format!("{common} {joint}"));
-        let sizes = program_sizes(&scene, &Problem::of(&scene, 3), &Settings::default())?;
-        Ok::<_, InputError>(sizes[1].clone())
+        program_size(&scene, &Problem::of(&scene, 3), &Settings::default())
     };
     let (free, held) = (sizes("")?, sizes("joint rod: x^2 + z^2 == l^2")?);
-    assert_eq!(held.size().variables, free.size().variables);
-    assert_eq!(held.size().equalities, free.size().equalities);
-    let joints = held.groups.iter().find(|group| group.name == "joints");
-    // A position and a velocity at four stages of three intervals.
-    assert_eq!(joints.map(|group| group.size.equalities), Some(2 * 4 * 3));
-    assert!(free.groups.iter().all(|group| group.name != "joints"));
+    assert_eq!(held.size.variables, free.size.variables);
+    assert_eq!(held.size.equalities, free.size.equalities);
     Ok(())
 }
 
@@ -68,25 +63,19 @@ const HEAD: &str = "parameters { m: kg = 1, g: m/s^2 = 9.81, l: m = 1.5 }
 ";
 
 #[test]
-fn joints_add_their_rows_to_elements_and_nothing_else() -> Result<(), InputError> {
-    let groups = |statements: &str| {
+fn joints_add_neither_unknowns_nor_equations_to_elements() -> Result<(), InputError> {
+    let size = |statements: &str| {
         let scene = scene(&format!("{HEAD} {statements}"));
         let problem = InitialValueProblem::of(&scene, None)?;
         let sizes = step_sizes(&scene, &problem, &Fesd::default())?;
-        let named = |name: &str| {
-            let found = sizes[0].groups.iter().find(|group| group.name == name);
-            found.map_or((0, 0), |group| {
-                (group.size.variables, group.size.jacobian_nonzeros)
-            })
-        };
-        Ok::<_, InputError>((named("state"), named("joints")))
+        Ok::<_, InputError>((sizes[0].size.variables, sizes[0].size.equalities))
     };
-    let (free, none) = groups("")?;
-    assert_eq!(none, (0, 0));
-    // What moves positions and velocities onto it at the end of the element.
-    let (held, joints) = groups("joint rod: x^2 + z^2 == l^2  start { x: l }")?;
-    assert_eq!((held.0, joints), (free.0, (2, 1)));
-    let (rolled, rolling) = groups("joint roll: dot(x) == l*dot(phi)")?;
-    assert_eq!((rolled.0, rolling), (free.0, (1, 1)));
+    let free = size("")?;
+    for joint in [
+        "joint rod: x^2 + z^2 == l^2  start { x: l }",
+        "joint roll: dot(x) == l*dot(phi)",
+    ] {
+        assert_eq!(size(joint)?, free);
+    }
     Ok(())
 }
