@@ -4,7 +4,6 @@ use super::settings::{Fesd, StepFormulation};
 use crate::contact::{ActiveContact, ContactState};
 use crate::fesd::finite_element::{FiniteElement, State, size};
 use crate::model::{ControlPiece, Model, friction_coefficients};
-use crate::rk::ButcherTableau;
 use crate::simulation::joints::Closed;
 use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
 
@@ -51,27 +50,16 @@ pub fn step_sizes(
     let tableau = method.tableau()?;
     let closed = Closed::of(model, problem)?;
     let (model, problem) = closed.scene();
-    Ok(elements(model, problem, method, &tableau))
-}
-
-/// The elements of the modes in which at most one contact holds, and of that in which all do.
-fn elements(
-    model: &dyn Model,
-    problem: &InitialValueProblem,
-    method: &Fesd,
-    tableau: &ButcherTableau,
-) -> Vec<FormulationSize> {
     let declaration = model.declaration();
     let friction = friction_coefficients(model);
     let held = |contact, state| ActiveContact { contact, state };
-    let across = |i: usize| {
-        declaration.contacts[i]
-            .friction
-            .and_then(|known| known.across)
-    };
-    let resting = |i: usize| match (friction[i] > 0.0, across(i)) {
-        (true, across) => held(i, ContactState::sticking(across.is_some())),
-        (false, _) => held(i, ContactState::Frictionless),
+    let resting = |i: usize| {
+        let known = declaration.contacts[i].friction;
+        let across = known.is_some_and(|known| known.across.is_some());
+        match friction[i] > 0.0 {
+            true => held(i, ContactState::sticking(across)),
+            false => held(i, ContactState::Frictionless),
+        }
     };
     let contacts = declaration.contacts.iter().enumerate();
     let mut modes = vec![("free flight".to_owned(), Vec::new())];
@@ -90,17 +78,16 @@ fn elements(
         modes.push(("all contacts hold".to_owned(), all));
     }
     let numerical = method.formulation == StepFormulation::TimeFreezing;
-    let time = if numerical {
-        "time-freezing element"
-    } else {
-        "element"
+    let time = match numerical {
+        true => "time-freezing element",
+        false => "element",
     };
     let start = place(problem);
     let mut controls = ControlPiece::default();
     controls.set_constant(declaration.controls.iter().map(|_| 0.0));
     let length = problem.horizon / Fesd::DEFAULT_STEPS as f64;
     let sizes = modes.into_iter().map(|(name, active)| {
-        let mut element = FiniteElement::new(model, tableau);
+        let mut element = FiniteElement::new(model, &tableau);
         if numerical {
             element = element.in_numerical_time(method.auxiliary_acceleration);
         }
@@ -111,7 +98,7 @@ fn elements(
             size: size(&mut element, &start, (length, &controls)),
         }
     });
-    sizes.collect()
+    Ok(sizes.collect())
 }
 
 /// A place beside the start of a problem at which nothing vanishes by chance.
