@@ -9,7 +9,6 @@ use crate::model::Model;
 use crate::program::sparse_program::Program;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::size::assembled;
-use hangtime_solver::mpcc::Mpcc as _;
 use hangtime_solver::nlp::{NlpProblem, check_derivatives};
 
 /// What is unknown beside the motion.
