@@ -39,11 +39,10 @@ pub(crate) mod local_error;
 mod motion_size;
 pub(crate) mod newton;
 mod numerical_time;
-mod size;
+pub(crate) mod size;
 mod stage_clock;
 
 pub(crate) use motion_size::MotionSize;
-pub(crate) use size::size;
 
 use super::constraints::Constraints;
 use crate::contact::ActiveContact;

@@ -2,7 +2,8 @@
 
 use super::settings::{Fesd, StepFormulation};
 use crate::contact::{ActiveContact, ContactState};
-use crate::fesd::finite_element::{FiniteElement, State, size};
+use crate::fesd::finite_element::size::size;
+use crate::fesd::finite_element::{FiniteElement, State};
 use crate::model::{ControlPiece, Model, friction_coefficients};
 use crate::simulation::joints::Closed;
 use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
