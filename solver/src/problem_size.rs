@@ -1,7 +1,5 @@
 //! How large a program is.
 
-use std::ops::AddAssign;
-
 use serde::Serialize;
 
 use crate::nlp::NlpProblem;
@@ -39,17 +37,5 @@ impl ProblemSize {
             jacobian_nonzeros: program.jacobian_pattern().len(),
             hessian_nonzeros: program.hessian_pattern().len(),
         }
-    }
-}
-
-/// The size of two parts together.
-impl AddAssign for ProblemSize {
-    fn add_assign(&mut self, other: Self) {
-        self.variables += other.variables;
-        self.equalities += other.equalities;
-        self.inequalities += other.inequalities;
-        self.complementarities += other.complementarities;
-        self.jacobian_nonzeros += other.jacobian_nonzeros;
-        self.hessian_nonzeros += other.hessian_nonzeros;
     }
 }

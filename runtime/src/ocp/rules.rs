@@ -65,7 +65,7 @@ pub const RULES: [Rule; 24] = [
     rule(
         Source,
         "relaxed",
-        "The motions of time-freezing programs on the coarsest grid, from the guess and from its simulation.",
+        "The motions of time-freezing programs from the ride and the best random motion.",
     ),
     rule(
         Source,

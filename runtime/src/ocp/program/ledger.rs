@@ -36,7 +36,7 @@ impl Ledger {
         self.work += iterations as f64 * size as f64;
     }
 
-    /// A proved plan on the grid, from which on others are measured by it.
+    /// A proved plan on the grid: from now on others are measured by it, and patience counts.
     pub(in crate::ocp) fn lead(&mut self, objective: f64) {
         self.incumbent = objective;
         self.gained = self.work;

@@ -21,13 +21,13 @@ use crate::ocp::search::replay::simulations;
 use crate::ocp::search::sampled::{Range, Sampled, best_of_each_order};
 use crate::ocp::settings::{Guess, TimeFreezingSettings};
 use crate::ocp::tuning::beginnings::{
-    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEP, STEPS, TRIES, VISIT,
-    VISITS, WORDS,
+    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, RELAXED, STEP, STEPS, TRIES,
+    VISIT, VISITS, WORDS,
 };
 use crate::simulation::{ContactMode, InputError};
 
 /// The source whose words come from time-freezing programs.
-const RELAXED: &str = "relaxed";
+const FREEZING: &str = "relaxed";
 /// The source whose word is that of a plan on the grid.
 pub(super) const PLAN: &str = "plan";
 
@@ -114,10 +114,10 @@ pub(in crate::ocp) fn beginnings(
     }
     found.retain(|one| one.source == PLAN || runner.settings.uses(one.source));
     // Where there is a plan already it brings nothing.
-    if plan.is_none() && runner.settings.uses(RELAXED) {
-        let nearest = motions.iter().map(|motion| &motion.trajectory).take(2);
-        for word in relaxed(runner, setting, nearest) {
-            learn(&mut library, &mut found, word, RELAXED);
+    if plan.is_none() && runner.settings.uses(FREEZING) {
+        let simulated = motions.iter().map(|motion| &motion.trajectory);
+        for word in relaxed(runner, setting, simulated.take(RELAXED)) {
+            learn(&mut library, &mut found, word, FREEZING);
         }
     }
     let begun = Begun {
