@@ -130,7 +130,8 @@ fn scene_entry(scene: &Scene, model: &dyn Model) -> Object {
     let contacts = declaration.contacts.iter();
     let contacts = contacts.map(|c| entry(c.name, c.unit, c.documentation));
     let equations = declaration.equations.iter();
-    let solvable = declaration.optimal_control.is_some() || !model.experiments().is_empty();
+    let solvable =
+        declaration.optimal_control.is_some() || !model.structure().experiments.is_empty();
     let coordinates = &declaration.coordinates[..declaration.mechanical()];
     Object::default()
         .with("name", scene.name)

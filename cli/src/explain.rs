@@ -211,7 +211,7 @@ fn free_parameters(model: &dyn Model) -> String {
 /// Measured motions and the misfit, in a scene that compares with some.
 fn measured(model: &dyn Model) -> String {
     let mut text = String::new();
-    let experiments = model.experiments();
+    let experiments = model.structure().experiments;
     if experiments.is_empty() {
         return text;
     }
@@ -269,7 +269,7 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     for goal in task.goals {
         let _ = writeln!(text, "finally     {}", goal.name);
     }
-    for known in model.epigraphs() {
+    for known in model.structure().epigraphs {
         let (what, place) = match known.over {
             Over::Instants => ("an unknown at each stage", " there"),
             Over::End => ("one unknown", " at the end"),
@@ -299,7 +299,7 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
         } else {
             String::new()
         };
-        let read = match model.remembered().contains(&index) {
+        let read = match model.structure().remembered.contains(&index) {
             true => ", which conditions read",
             false => "",
         };

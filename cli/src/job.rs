@@ -70,7 +70,7 @@ impl Job {
     /// A problem of optimal control, or an estimation where the scene compares with measurements.
     pub(crate) fn solve(chosen: ChosenScene, arguments: &SolveArguments) -> Result<Self, BadInput> {
         let mut stem = chosen.scene.name.to_owned();
-        let task = if chosen.model.experiments().is_empty() {
+        let task = if chosen.model.structure().experiments.is_empty() {
             stem += "-optimal";
             let others = [
                 (arguments.formulation != SolveFormulation::default())

@@ -1,6 +1,6 @@
 //! What a scene declares for optimal control and a simulation does not keep: constraints, conditions at the end, bounds.
 
-use hangtime::model::{ConstraintDeclaration, Model};
+use hangtime::model::{ConstraintDeclaration, Function, Model};
 use hangtime::simulation::Simulation;
 
 use crate::table::number;
@@ -23,7 +23,7 @@ pub(crate) fn notes(model: &dyn Model, simulation: &Simulation) -> Vec<String> {
         for (i, declared) in task.constraints.iter().enumerate() {
             let function = |x: &[f64]| {
                 let mut values = vec![0.0; task.path_functions()];
-                model.path_functions(x, &mut values);
+                model.values(Function::Path, x, &mut values);
                 values[usize::from(task.running_cost) + i]
             };
             let worst = known.then(|| worst(&inputs, declared, function));
@@ -33,7 +33,7 @@ pub(crate) fn notes(model: &dyn Model, simulation: &Simulation) -> Vec<String> {
         for (i, declared) in task.goals.iter().enumerate().filter(|_| !has_objective) {
             let function = |z: &[f64]| {
                 let mut values = vec![0.0; task.terminal_functions()];
-                model.terminal_functions(z, &mut values);
+                model.values(Function::Terminal, z, &mut values);
                 values[usize::from(task.final_cost) + i]
             };
             let end = known.then(|| end(simulation, model)).flatten();

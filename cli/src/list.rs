@@ -108,7 +108,10 @@ fn commands(scene: &Scene, model: &dyn Model) -> Vec<&'static str> {
     let planned = model.declaration().optimal_control.is_some();
     [
         ("simulate", true),
-        ("solve", planned || !model.experiments().is_empty()),
+        (
+            "solve",
+            planned || !model.structure().experiments.is_empty(),
+        ),
         ("chart", true),
         ("explain", true),
         ("reproduce", !scene.published.is_empty()),

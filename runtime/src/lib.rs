@@ -39,12 +39,12 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`model`](mod@model) | the interface between scenes and solvers; [`model!`] implements it, and so may you |
+//! | [`model`](mod@model) | the interface between scenes and solvers, which [`model!`] and texts implement |
 //! | [`simulation`] | one trait, [`Simulator`](simulation::Simulator), one result, several methods: finite elements with switch detection, event-driven, and three to compare with |
 //! | [`derivative`] | derivatives of a motion, forwards and backwards |
 //! | [`ocp`] | optimal control: a search for the contact sequence, collocation with that sequence, a certificate, an independent re-simulation |
 //! | [`estimation`] | parameters from measured motions: least squares with exact derivatives through impacts |
-//! | [`scene`] | the one model of all that the language derived, compiled or read from a text |
+//! | [`scene`] | the trait behind that, over what the language derived, compiled or read from a text |
 //! | [`rk`] | collocation schemes to rounding error |
 //! | [`mpcc`], [`nlp`], [`nl`] | the package `hangtime-solver`: complementarity problems, nonlinear programs, and both from `.nl` files |
 //!

@@ -8,8 +8,9 @@
 
 use crate::differences::{Near, equal, slopes};
 use crate::random_texts::{Random, source};
-use crate::same::{Function, functions};
-use hangtime::model::{ContactDeclaration, Model, SparsityPattern, contact_point, tangent_point};
+use hangtime::model::{
+    ContactDeclaration, Function, Model, SparsityPattern, contact_point, tangent_point,
+};
 use hangtime::scene::on_a_thread;
 use hangtime_dsl::description::{Kernel, Source};
 use hangtime_scene_files::{of_text, read_text};
@@ -117,7 +118,7 @@ impl Declared<'_> {
             .joints
             .map_or_else(Vec::new, |joints| {
                 let mut values = vec![f64::NAN; joints.jacobian.entries.len()];
-                self.model.joints_jacobian(x, &mut values);
+                self.model.jacobian(Function::Joints, x, &mut values);
                 product((joints.jacobian, &values), along, false)
             })
     }
@@ -169,7 +170,7 @@ impl Declared<'_> {
         };
         let rows = joints.rows();
         let [mut values, mut forces] = [2 * rows, rows].map(|count| vec![f64::NAN; count]);
-        self.model.joints(x, &mut values);
+        self.model.values(Function::Joints, x, &mut values);
         self.model.joint_forces(x, &mut forces);
         let rates = self.of_joints(x, &self.ahead(x, a));
         let size = 1.0 + inner(a, a).sqrt() + inner(x, x);
@@ -217,7 +218,7 @@ impl Declared<'_> {
             return Ok(());
         }
         let mut values = vec![f64::NAN; contact.jacobian.entries.len()];
-        self.model.contact_jacobian(i, x, &mut values);
+        self.model.jacobian(Function::Contact(i), x, &mut values);
         let rates = product(
             (contact.jacobian, &values),
             &self.ahead(x, &vec![0.0; n]),
@@ -253,14 +254,14 @@ impl Declared<'_> {
         let mut side = vec![f64::NAN; tangent_point::length(n)];
         let mut values = vec![f64::NAN; friction.jacobian.entries.len()];
         self.model.tangent(i, x, &mut side);
-        self.model.tangent_jacobian(i, x, &mut values);
+        self.model.jacobian(Function::Tangent(i), x, &mut values);
         self.slides((i, contact, scale), x, &side, (friction.jacobian, &values))?;
         let Some(pattern) = friction.across else {
             return Ok(());
         };
         let mut values = vec![f64::NAN; pattern.entries.len()];
-        self.model.across(i, x, &mut side);
-        self.model.across_jacobian(i, x, &mut values);
+        self.model.values(Function::Across(i), x, &mut side);
+        self.model.jacobian(Function::Across(i), x, &mut values);
         self.slides((i, contact, scale), x, &side, (pattern, &values))
     }
 
@@ -341,34 +342,71 @@ fn row((pattern, values): (SparsityPattern, &[f64]), row: u32) -> Vec<f64> {
     dense
 }
 
+/// The functions of a model that have derivatives, and their names.
+fn functions(model: &dyn Model) -> Vec<(String, Function)> {
+    use Function::{Across, Contact, Given, Impact, Joints, Motion, Path, Tangent, Terminal};
+    let contacts = model.declaration().contacts.iter().enumerate();
+    let of_contacts = contacts.flat_map(|(i, contact)| {
+        let sides = [
+            ("contact", Contact(i)),
+            ("tangent", Tangent(i)),
+            ("across", Across(i)),
+        ];
+        sides.map(|(side, function)| (format!("{side}({})", contact.name), function))
+    });
+    let others = [Motion, Joints, Path, Terminal, Impact, Given];
+    let others = others.map(|function| (format!("{function:?}").to_lowercase(), function));
+    let all = others.into_iter().chain(of_contacts);
+    let has_values = |function| {
+        model
+            .signature(function)
+            .is_some_and(|known| known.values > 0)
+    };
+    all.filter(|(_, function)| has_values(*function)).collect()
+}
+
+/// Values of a function, of a contact or its side those whose derivatives it has.
+fn rows(model: &dyn Model, function: Function, x: &[f64], count: usize) -> Vec<f64> {
+    let length = model.signature(function).expect("a function").values;
+    let mut values = vec![f64::NAN; length];
+    model.values(function, x, &mut values);
+    let n = model.declaration().coordinates.len();
+    let first = match function {
+        Function::Contact(i) if model.declaration().contacts[i].dry => {
+            vec![0.0, -values[contact_point::CURVATURE]]
+        }
+        Function::Contact(i) => vec![model.gap(i, x), values[contact_point::NORMAL_VELOCITY]],
+        Function::Tangent(_) | Function::Across(_) => vec![values[tangent_point::SLIDING_VELOCITY]],
+        _ => return values,
+    };
+    let rows = [&first, &values[length - n..]].concat();
+    assert_eq!(rows.len(), count);
+    rows
+}
+
 /// Compares the derivatives of a function with differences; whether these were known.
 fn differentiated(
-    function: &Function,
+    (name, function): (&str, Function),
     model: &dyn Model,
     x: &[f64],
     random: &mut Random,
 ) -> Result<bool, String> {
-    let Some((pattern, first)) = &function.jacobian else {
-        return Ok(true);
-    };
-    let (name, count) = (&function.name, function.size.1);
-    assert_eq!((pattern.rows, pattern.columns), (count, x.len()), "{name}");
+    let signature = model.signature(function).expect("a function");
+    let (pattern, triangle) = (signature.jacobian, signature.hessian);
+    let count = pattern.rows;
+    assert_eq!(pattern.columns, x.len(), "{name}");
     let (along, weights) = (vector(random, x.len()), vector(random, count));
     let jacobian = |x: &[f64]| {
         let mut values = vec![f64::NAN; pattern.entries.len()];
-        first(model, x, &[], &mut values);
+        model.jacobian(function, x, &mut values);
         values
     };
-    let wanted = slopes(|s| {
-        let mut values = vec![f64::NAN; count];
-        (function.values)(model, &moved(x, s, &along), &[], &mut values);
-        values
-    });
-    let found = product((*pattern, &jacobian(x)), &along, false);
+    let wanted = slopes(|s| rows(model, function, &moved(x, s, &along), count));
+    let found = product((pattern, &jacobian(x)), &along, false);
     let is_known = Near::compared(&format!("{name}, Jacobian"), &found, &wanted)?;
-    let Some((triangle, second)) = &function.hessian else {
+    if triangle == SparsityPattern::EMPTY {
         return Ok(is_known);
-    };
+    }
     let wanted = slopes(|s| {
         let mut gradient = vec![0.0; x.len()];
         let values = jacobian(&moved(x, s, &along));
@@ -378,8 +416,8 @@ fn differentiated(
         gradient
     });
     let mut values = vec![f64::NAN; triangle.entries.len()];
-    second(model, x, &weights, &mut values);
-    let found = product((*triangle, &values), &along, true);
+    model.hessian(function, x, &weights, &mut values);
+    let found = product((triangle, &values), &along, true);
     Ok(Near::compared(&format!("{name}, Hessian"), &found, &wanted)? && is_known)
 }
 
@@ -413,8 +451,8 @@ fn is_minimal(model: &dyn Model, random: &mut Random) -> bool {
         let x = vector(random, declaration.inputs());
         let weights = vector(random, declaration.coordinates.len());
         let mut values = nonzero.each_ref().map(|known| vec![0.0; known.len()]);
-        model.free_jacobian(&x, &mut values[0]);
-        model.free_hessian(&x, &weights, &mut values[1]);
+        model.jacobian(Function::Motion, &x, &mut values[0]);
+        model.hessian(Function::Motion, &x, &weights, &mut values[1]);
         for (nonzero, values) in nonzero.iter_mut().zip(values) {
             let size = values
                 .iter()
@@ -452,15 +490,20 @@ fn check(name: &str, text: &str) -> Result<Vec<String>, String> {
         unknown.push("minimal patterns".to_owned());
     }
     // What is found is held as coordinates.
-    let found = [model.free_parameters(), model.remembered()];
-    let holds = found.concat().len() + model.epigraphs().len() > 0;
+    let found = [model.free_parameters(), model.structure().remembered];
+    let holds = found.concat().len() + model.structure().epigraphs.len() > 0;
     let held = holds.then(|| model.with_held(model.free_parameters()));
-    let held = held.map(|held| held.expect("a text").expect("a scene that can be held"));
-    for model in iter::once(&model as &dyn Model).chain(held.as_deref()) {
-        for function in functions(model) {
-            let at = |x: &[f64], random: &mut Random| differentiated(&function, model, x, random);
-            if !twice(model, function.size.0, at)? {
-                unknown.push(function.name);
+    let held = held.map(|held| held.expect("a scene that can be held"));
+    for model in
+        iter::once(&model as &dyn Model).chain(held.as_ref().map(|held| held as &dyn Model))
+    {
+        for (name, function) in functions(model) {
+            let at = |x: &[f64], random: &mut Random| {
+                differentiated((&name, function), model, x, random)
+            };
+            let inputs = model.signature(function).expect("a function").inputs;
+            if !twice(model, inputs, at)? {
+                unknown.push(name);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Values of declared functions against their formulas, written in Rust.
 
-use hangtime::model::{Model, Shape, contact_point};
+use hangtime::model::{Function, Model, Shape, contact_point};
 use hangtime::scene::TextScene;
 
 /// A scene of this folder.
@@ -59,7 +59,7 @@ fn outputs_are_their_formulas_in_their_units() {
     assert_close(&values, &wanted);
     // By name in a constraint, in the unit of that.
     let mut path = [f64::NAN; 2];
-    wheel.path_functions(&AT[..7], &mut path);
+    wheel.values(Function::Path, &AT[..7], &mut path);
     assert_close(&path, &[power * power, 5.0 - power]);
 }
 
@@ -119,19 +119,19 @@ fn functions_of_forces_are_those_of_accelerations_over_inverse_inertias() {
     let push = force[0] - 2.0 * force[1];
     let cost = push * push * (1.0 + a.sin()) + rub[2] * rub[0] * t.cos();
     let [mut path, mut impact, mut terminal] = [vec![0.0; 2], vec![0.0; 3], vec![0.0; 4]];
-    rod.path_functions(&x, &mut path);
+    rod.values(Function::Path, &x, &mut path);
     assert_close(&path, &[cost, u - push]);
 
     let summed = force[0].powi(2) * y * (t / 9.0).exp();
     let limit = 3.0 - force[1] - rub[0] * (y / 0.2).sin();
-    rod.impact_functions(&x, &mut impact);
+    rod.values(Function::Impact, &x, &mut impact);
     assert_close(&impact, &[summed, force[1], limit]);
 
     // (q, v, T), two sums, r and s; the ground is where it is at the final time.
     let z = [&x[..8], &[t, 0.3, 0.4], &x[10..]].concat();
     assert_eq!(z.len(), rod.declaration().terminal_inputs());
     let cost = 0.3 + force[1] * force[0] * t;
-    rod.terminal_functions(&z, &mut terminal);
+    rod.values(Function::Terminal, &z, &mut terminal);
     assert_close(&terminal, &[cost, 3.0 - rub[0] - y, 9.0 - 0.3, 0.4 - 1.0]);
 }
 
@@ -148,7 +148,7 @@ fn functions_of_optimal_control_are_their_formulas_in_si_units() {
     let (wave, t) = (2.0 * x[8], x[8]);
     let effort = 0.1 * x[6] * x[6] + wave.sin() * turns * turns;
     let mut path = [f64::NAN; 4];
-    cart.path_functions(&x, &mut path);
+    cart.values(Function::Path, &x, &mut path);
     let ceiling = h - z - 0.1 * tip[0];
     let moving = tip[1] - h * wave.cos();
     let wanted = [
@@ -160,7 +160,7 @@ fn functions_of_optimal_control_are_their_formulas_in_si_units() {
     assert_close(&path, &wanted);
 
     let mut terminal = [f64::NAN; 5];
-    cart.terminal_functions(&[&x[..6], &[t]].concat(), &mut terminal);
+    cart.values(Function::Terminal, &[&x[..6], &[t]].concat(), &mut terminal);
     let miss = (tip[0] - 2.0) / h;
     let slow = 1.0 - tip_rate[0].powi(2) - tip_rate[1].powi(2);
     let turned = x[1].to_radians() - wave;

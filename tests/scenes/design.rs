@@ -386,7 +386,7 @@ fn compiled_scene_does_what_its_text_does_bit_for_bit() {
         ..Ramp::default()
     };
     assert_eq!(ramp.free_parameters(), [2]);
-    let mut text = of_text("ramp.hang", ramp.text().expect("declared")).expect("derived");
+    let mut text = of_text("ramp.hang", ramp.text()).expect("derived");
     text.set_parameter(0, 1.25);
     text.set_parameter(2, 0.6);
     let [own, its] = [&ramp as &dyn hangtime::model::Model, &text]

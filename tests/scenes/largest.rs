@@ -25,6 +25,7 @@ fn compiled_scene_has_largest_values_as_unknowns() {
     assert!((solution.objective - 3.0).abs() < 1e-8, "{solution}");
     // What the scene itself says of it is the value with its kink.
     let mut values = [0.0];
-    hangtime::model::Model::path_functions(&cart, &[0.0, 0.0, 0.0, 0.0, -1.5, 0.0], &mut values);
+    let x = [0.0, 0.0, 0.0, 0.0, -1.5, 0.0];
+    hangtime::model::Model::values(&cart, hangtime::model::Function::Path, &x, &mut values);
     assert_eq!(values, [1.5]);
 }

@@ -3,6 +3,7 @@
 #[path = "../../benches/contacts/families.rs"]
 mod families;
 
+use hangtime::model::Function;
 use hangtime::prelude::*;
 use hangtime::simulation::{EventDriven, Simulation};
 use hangtime_scene_files::{TextScene, of_text};
@@ -340,17 +341,17 @@ fn asked(model: &dyn Model, contact: usize, x: &[f64]) -> Vec<f64> {
     };
     let weights: Vec<f64> = (0..2 + n).map(|k| 0.3 + 0.1 * k as f64).collect();
     add(known.jacobian.entries.len(), &|out| {
-        model.contact_jacobian(contact, x, out)
+        model.jacobian(Function::Contact(contact), x, out)
     });
     add(known.hessian.entries.len(), &|out| {
-        model.contact_hessian(contact, x, &weights, out)
+        model.hessian(Function::Contact(contact), x, &weights, out)
     });
     add(2 + 2 * n, &|out| model.tangent(contact, x, out));
     add(side.jacobian.entries.len(), &|out| {
-        model.tangent_jacobian(contact, x, out)
+        model.jacobian(Function::Tangent(contact), x, out)
     });
     add(side.hessian.entries.len(), &|out| {
-        model.tangent_hessian(contact, x, &weights[1..], out);
+        model.hessian(Function::Tangent(contact), x, &weights[1..], out);
     });
     all
 }

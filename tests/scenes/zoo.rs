@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use hangtime::model::Model;
+use hangtime::model::{Function, Model};
 use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, TimeFreezingSettings};
 use hangtime_scene_files::of_text;
 use hangtime_zoo::exhibits;
@@ -36,7 +36,7 @@ fn by_itself(model: &dyn Model) -> Option<f64> {
     let mut z = last.concat();
     z.resize(declaration.terminal_inputs(), 0.0);
     let mut ends = vec![0.0; declared.terminal_functions()];
-    model.terminal_functions(&z, &mut ends);
+    model.values(Function::Terminal, &z, &mut ends);
     let mut cost = 0.0;
     if declared.final_cost {
         cost = ends.remove(0);
@@ -45,7 +45,7 @@ fn by_itself(model: &dyn Model) -> Option<f64> {
         let mut x = [&motion.q[i][..], &motion.v[i], &motion.u[i]].concat();
         x.resize(declaration.path_inputs(), motion.time[i]);
         let mut values = vec![0.0; declared.path_functions()];
-        model.path_functions(&x, &mut values);
+        model.values(Function::Path, &x, &mut values);
         values[0]
     };
     for i in 1..motion.time.len() * usize::from(declared.running_cost) {

@@ -29,7 +29,7 @@ impl FitTask {
         settings.starts = arguments.starts;
         settings.given_parameters.clone_from(&chosen.given);
         let folder = Path::new(chosen.scene.folder);
-        let experiments = chosen.model.experiments().iter();
+        let experiments = chosen.model.structure().experiments.iter();
         let controls = chosen.model.declaration().controls;
         let measurements =
             experiments.map(|experiment| measured::read(folder, experiment, controls));

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::tangent::{Layout, Tangent, add};
-use crate::model::{Model, OptimalControlDeclaration, ParameterDerivatives};
+use crate::model::{Function, Model, OptimalControlDeclaration, ParameterDerivatives};
 
 /// An objective that reads nothing of contacts.
 pub(super) struct Cost<'c> {
     model: &'c dyn Model,
-    derivatives: Arc<dyn ParameterDerivatives>,
+    derivatives: Arc<ParameterDerivatives>,
     layout: Layout,
     task: OptimalControlDeclaration,
 }
@@ -17,7 +17,7 @@ impl<'c> Cost<'c> {
     /// That of a scene, if it declares one.
     pub(super) fn of(
         model: &'c dyn Model,
-        derivatives: &Arc<dyn ParameterDerivatives>,
+        derivatives: &Arc<ParameterDerivatives>,
         layout: Layout,
     ) -> Option<Self> {
         let task = model.declaration().optimal_control?;
@@ -36,7 +36,7 @@ impl<'c> Cost<'c> {
             return 0.0;
         }
         let mut values = vec![0.0; self.task.path_functions()];
-        self.model.path_functions(x, &mut values);
+        self.model.values(Function::Path, x, &mut values);
         values[0]
     }
 

@@ -31,7 +31,7 @@ impl<'a> JointRows<'a> {
     }
 
     /// Evaluates them at `x`; `false` where they depend on each other.
-    pub(super) fn evaluate(&mut self, derivatives: &dyn ParameterDerivatives, x: &[f64]) -> bool {
+    pub(super) fn evaluate(&mut self, derivatives: &ParameterDerivatives, x: &[f64]) -> bool {
         self.joints.evaluate(x);
         derivatives.joints(x, &mut self.by.values);
         self.joints.direct(x).is_ok()

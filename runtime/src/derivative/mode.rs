@@ -24,7 +24,7 @@ use crate::simulation::ContactMode;
 // Many fields: the memory of an evaluation.
 pub(super) struct Acceleration<'a> {
     view: View<'a>,
-    pub(super) derivatives: Arc<dyn ParameterDerivatives>,
+    pub(super) derivatives: Arc<ParameterDerivatives>,
     pub(super) layout: Layout,
     pub(super) columns: usize,
     friction_by: Matrix,
@@ -51,7 +51,7 @@ impl<'a> Deref for Acceleration<'a> {
 impl<'a> Acceleration<'a> {
     pub(super) fn new(
         model: &'a dyn Model,
-        (derivatives, layout): (Arc<dyn ParameterDerivatives>, Layout),
+        (derivatives, layout): (Arc<ParameterDerivatives>, Layout),
     ) -> Self {
         let contacts = model.declaration().contacts.len();
         let mut friction_by = Matrix::zeros(contacts, layout.parameters);

@@ -124,7 +124,7 @@ pub(super) struct Quantities {
     pub(super) by: Vec<By>,
     /// Indices of the parameters with derivatives.
     pub(super) parameters: Vec<usize>,
-    pub(super) derivatives: Arc<dyn ParameterDerivatives>,
+    pub(super) derivatives: Arc<ParameterDerivatives>,
 }
 
 /// The name that stands for all parameters.
@@ -172,8 +172,8 @@ impl Quantities {
         }
         let derivatives = model.parameter_derivatives(&parameters).ok_or_else(|| {
             InputError::unsupported(format!(
-                "a gradient of `{}` is not supported: its derivatives by parameters are too large, or those of a model that was \
-                 written by hand; declare it by `model!` or in a file",
+                "a gradient of `{}` is not supported: its derivatives by parameters are too large; split the mechanism into \
+                 smaller scenes",
                 declaration.name
             ))
         })?;
@@ -197,7 +197,7 @@ impl Quantities {
 
     /// Derivatives that know nothing of parameters but of one, if there are more parameters than components of the state, which would cost
     /// more than to know the others only where a step is solved.
-    pub(super) fn lean(&self, model: &dyn Model) -> Option<Arc<dyn ParameterDerivatives>> {
+    pub(super) fn lean(&self, model: &dyn Model) -> Option<Arc<ParameterDerivatives>> {
         let many = self.parameters.len() > 2 * model.declaration().coordinates.len();
         let lean = many.then(|| model.parameter_derivatives(&[0])).flatten();
         lean.map(Arc::from)

@@ -4,6 +4,7 @@ use super::least_squares::{Evaluation, Residuals};
 use super::measurements::Measurements;
 use crate::derivative::{Observed, observe};
 use crate::model::{Experiment, Measured, Model};
+use crate::scene::TextScene;
 use crate::simulation::{
     EventDriven, Fesd, InitialValueProblem, Simulation, Simulator, simulate_once,
 };
@@ -19,7 +20,7 @@ const DIFFERENCE: f64 = 1e-6;
 /// One experiment with the scene as it is there.
 struct One<'a> {
     declared: &'static Experiment,
-    model: Box<dyn Model>,
+    model: TextScene,
     measured: Vec<Measured>,
     data: &'a Measurements,
 }
@@ -61,7 +62,7 @@ impl<'a, 'o> Motions<'a, 'o> {
         given: &[usize],
         observer: &'a mut Observer<'o>,
     ) -> Result<Self, InputError> {
-        let declared = model.experiments();
+        let declared = model.structure().experiments;
         if data.len() != declared.len() {
             return Err(crate::refusal::wrong_length(
                 "the list of measurements",
@@ -72,15 +73,9 @@ impl<'a, 'o> Motions<'a, 'o> {
         let mut experiments = Vec::with_capacity(data.len());
         for (index, (declared, data)) in declared.iter().zip(data).enumerate() {
             data.check(declared, model.declaration().controls)?;
-            let model = model.in_experiment(index).ok_or_else(|| {
-                crate::refusal::unsupported(
-                    format!(
-                        "the start of its own that `{}` has in a model that was written by hand",
-                        declared.name
-                    ),
-                    "declare it by `model!` or in a file",
-                )
-            })?;
+            let model = model
+                .in_experiment(index)
+                .map_err(InputError::unsupported)?;
             experiments.push(One {
                 declared,
                 model,
@@ -144,7 +139,7 @@ impl<'a, 'o> Motions<'a, 'o> {
             let one = &self.experiments[index];
             let (problem, run) = simulated(one, one.data.end(), &mut |_| true)?;
             observe(
-                &*one.model,
+                &one.model,
                 (&problem, &run),
                 &self.names,
                 (&one.measured, &one.data.times),
@@ -163,15 +158,15 @@ impl<'a, 'o> Motions<'a, 'o> {
             tolerance: TOLERANCE,
             ..EventDriven::default()
         };
-        let simulation = match event.simulate(&*one.model, &problem, &mut |_| true).ok()? {
+        let simulation = match event.simulate(&one.model, &problem, &mut |_| true).ok()? {
             run if run.status.is_solved() => run,
-            run => match Fesd::default().simulate(&*one.model, &problem, &mut |_| true) {
+            run => match Fesd::default().simulate(&one.model, &problem, &mut |_| true) {
                 Ok(other) if other.status.is_solved() => other,
                 _ => run,
             },
         };
         let seen = observe(
-            &*one.model,
+            &one.model,
             (&problem, &simulation),
             &self.names,
             (&one.measured, &one.data.times),
@@ -225,7 +220,7 @@ impl<'a, 'o> Motions<'a, 'o> {
             return None;
         }
         let observed = observe(
-            &*one.model,
+            &one.model,
             (&problem, &run),
             &self.names,
             (&one.measured, times),
@@ -324,7 +319,7 @@ fn counted(one: &One<'_>, share: f64) -> usize {
 
 /// The motion of an experiment up to a time, under the controls that it had.
 fn problem(one: &One<'_>, end: f64) -> Result<InitialValueProblem, InputError> {
-    let mut problem = InitialValueProblem::of(&*one.model, Some(end))?;
+    let mut problem = InitialValueProblem::of(&one.model, Some(end))?;
     problem.controls.clone_from(&one.data.controls);
     problem.points = usize::MAX;
     Ok(problem)
@@ -341,11 +336,11 @@ fn simulated(
         tolerance: TOLERANCE,
         ..EventDriven::default()
     };
-    let run = simulate_once(&event, &*one.model, &problem)?;
+    let run = simulate_once(&event, &one.model, &problem)?;
     let goes_on = observer(&Progress::new("fit"));
     if run.status.is_solved() || !goes_on {
         return Ok((problem, run));
     }
-    let other = Fesd::default().simulate(&*one.model, &problem, observer)?;
+    let other = Fesd::default().simulate(&one.model, &problem, observer)?;
     Ok((problem, if other.status.is_solved() { other } else { run }))
 }

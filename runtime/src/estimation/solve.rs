@@ -49,7 +49,7 @@ pub fn estimate(
     observer: &mut Observer<'_>,
 ) -> Result<Estimate, InputError> {
     let clock = ThreadTime::now();
-    if model.experiments().is_empty() {
+    if model.structure().experiments.is_empty() {
         return Err(refusal::unsupported(
             format!(
                 "a fit of `{}`, which compares with no measurements,",
@@ -219,7 +219,7 @@ fn judged(
     for (index, data) in measurements.iter().enumerate() {
         if let Some(compared) = motions.confirmed(index, &best.x) {
             estimate.experiments.push(FittedExperiment {
-                declared: &model.experiments()[index],
+                declared: &model.structure().experiments[index],
                 times: data.times.clone(),
                 measured: data.values.clone(),
                 computed: compared.computed,

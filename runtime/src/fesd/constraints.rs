@@ -4,7 +4,7 @@ use super::redundancy::Redundancy;
 use crate::contact::{ActiveContact, dot, force_count, sum_of_sizes};
 use crate::linalg::products::products;
 use crate::model::{
-    Frame, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces,
+    Frame, Function, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces,
     tangent_point,
 };
 
@@ -166,7 +166,8 @@ impl<'a> Constraints<'a> {
     fn evaluate_sides(&mut self, contact: usize, x: &[f64]) {
         self.model.tangent(contact, x, &mut self.tangent);
         if self.is_in_space(contact) {
-            self.model.across(contact, x, &mut self.across);
+            self.model
+                .values(Function::Across(contact), x, &mut self.across);
             self.frames[contact].turn(&mut self.tangent, &mut self.across);
         }
     }
@@ -334,7 +335,8 @@ impl<'a> Constraints<'a> {
             let in_space = self.is_in_space(held.contact);
             self.model.tangent(held.contact, x, &mut self.tangent);
             if in_space {
-                self.model.across(held.contact, x, &mut self.across);
+                self.model
+                    .values(Function::Across(held.contact), x, &mut self.across);
                 self.frames[held.contact].turn(&mut self.tangent, &mut self.across);
             }
             let sides = [&self.tangent, &self.across];
@@ -387,7 +389,8 @@ impl<'a> Constraints<'a> {
             let declaration = &contacts[held.contact];
             let entries = declaration.jacobian.entries;
             let values = &mut self.contact_jacobian[..entries.len()];
-            self.model.contact_jacobian(held.contact, x, values);
+            self.model
+                .jacobian(Function::Contact(held.contact), x, values);
             let r = forces[i];
             for (&(row, column), value) in entries.iter().zip(&*values) {
                 let (row, column) = (row as usize, column as usize);
@@ -422,7 +425,8 @@ impl<'a> Constraints<'a> {
             let slope = self.slope(held);
             let entries = friction.jacobian.entries;
             let values = &mut self.tangent_jacobian[..entries.len()];
-            self.model.tangent_jacobian(held.contact, x, values);
+            self.model
+                .jacobian(Function::Tangent(held.contact), x, values);
             let s = if held.state.sticks() {
                 forces[stuck]
             } else {
@@ -478,8 +482,12 @@ impl<'a> Constraints<'a> {
         for (k, pattern) in patterns.into_iter().enumerate() {
             let mut values = vec![0.0; pattern.entries.len()];
             match k {
-                0 => self.model.tangent_jacobian(held.contact, x, &mut values),
-                _ => self.model.across_jacobian(held.contact, x, &mut values),
+                0 => self
+                    .model
+                    .jacobian(Function::Tangent(held.contact), x, &mut values),
+                _ => self
+                    .model
+                    .jacobian(Function::Across(held.contact), x, &mut values),
             }
             let weight = if k == 0 { weights.0 } else { weights.1 };
             for (&(row, column), value) in pattern.entries.iter().zip(values) {

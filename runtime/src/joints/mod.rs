@@ -13,7 +13,7 @@
 pub(crate) mod partition;
 
 use crate::linalg::dense;
-use crate::model::{Model, contact_point, joint_rows, tangent_point};
+use crate::model::{Function, Model, contact_point, joint_rows, tangent_point};
 
 /// Newton steps of one projection.
 const STEPS: usize = 8;
@@ -144,8 +144,8 @@ impl<'a> Joints<'a> {
     /// Evaluates rows and their derivatives at the input vector `x`.
     pub(crate) fn evaluate(&mut self, x: &[f64]) {
         let n = self.n;
-        self.model.joints(x, &mut self.values);
-        self.model.joints_jacobian(x, &mut self.jacobian);
+        self.model.values(Function::Joints, x, &mut self.values);
+        self.model.jacobian(Function::Joints, x, &mut self.jacobian);
         self.gradients.fill(0.0);
         let Some(joints) = self.model.declaration().joints else {
             return;

@@ -5,7 +5,7 @@
 //! in given units.
 
 use crate::model::held::moving;
-use crate::model::{JointsDeclaration, Model};
+use crate::model::{Function, JointsDeclaration, Model};
 
 /// Share of the largest entry of a row below which what is left of it, less what others say, is rounding.
 pub(crate) const NOTHING: f64 = 1e-9;
@@ -165,7 +165,7 @@ impl Jacobian {
             *last = time;
         }
         let mut values = vec![0.0; joints.jacobian.entries.len()];
-        model.joints_jacobian(&x, &mut values);
+        model.jacobian(Function::Joints, &x, &mut values);
         let mut entries = vec![0.0; 2 * count * columns];
         for (&(row, column), value) in joints.jacobian.entries.iter().zip(values) {
             if (column as usize) < columns {

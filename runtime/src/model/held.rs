@@ -1,6 +1,6 @@
 //! Scenes in which parameters are coordinates without motion.
 
-use super::{Given, Model};
+use super::{Function, Given, Model};
 
 /// Number of coordinates that move: all but those that stand for parameters.
 pub(crate) fn moving(model: &dyn Model) -> usize {
@@ -27,7 +27,7 @@ pub(crate) fn given_at(model: &dyn Model, start: &[f64]) -> Vec<f64> {
     if count > 0 {
         let mut x = start.to_vec();
         x.resize(model.declaration().inputs(), 0.0);
-        model.given_values(&x, &mut values);
+        model.values(Function::Given, &x, &mut values);
     }
     values
 }
@@ -87,7 +87,7 @@ pub(crate) fn complete_largest(model: &dyn Model, x: &mut [f64]) {
     // Each reads those before it alone.
     for (k, &rows) in held.at_stages.iter().enumerate() {
         x[first + k] = 0.0;
-        model.path_functions(x, &mut values);
+        model.values(Function::Path, x, &mut values);
         let own = values[row..row + rows].iter();
         x[first + k] = own.fold(f64::NEG_INFINITY, |most, value| most.max(-value));
         row += rows;

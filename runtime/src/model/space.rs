@@ -1,7 +1,7 @@
 //! Contacts that slide along two directions: their second tangential sides, and the frames in which they slide.
 
 use super::frame::{Frame, pair_size};
-use super::{Model, tangent_point};
+use super::{Function, Model, tangent_point};
 
 /// What contacts in space have besides, as last evaluated: tangential sides in the frame of each.
 #[derive(Debug, Clone)]
@@ -63,7 +63,7 @@ impl Space {
     ) {
         let length = tangent_point::length(self.n);
         let across = &mut self.across[contact * length..(contact + 1) * length];
-        model.across(contact, x, across);
+        model.values(Function::Across(contact), x, across);
         let frame = self.frames[contact];
         self.turn(contact, frame, tangent);
     }

@@ -1,6 +1,6 @@
 //! How large the terms of the function of a switch are.
 
-use super::Model;
+use super::{Function, Model};
 
 /// Sum of the sizes of the terms of the function of a switch at `x`, which its rounding error is a share of; 0 for other contacts.
 pub(crate) fn terms(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
@@ -10,7 +10,7 @@ pub(crate) fn terms(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
     };
     let entries = friction.jacobian.entries;
     let mut values = vec![0.0; entries.len()];
-    model.tangent_jacobian(contact, x, &mut values);
+    model.jacobian(Function::Tangent(contact), x, &mut values);
     let of_function = entries
         .iter()
         .zip(&values)

@@ -8,7 +8,7 @@ use super::program::start_joints::at_start;
 use super::solution::Solution;
 use crate::derivative::{completed, differences};
 use crate::model::held::{complete_start, is_held, moving};
-use crate::model::{Given, Model};
+use crate::model::{Function, Given, Model};
 use crate::refusal;
 use crate::simulation::{ClosedStart, ControlSignal, InputError};
 use nalgebra::{DMatrix, DVector};
@@ -181,9 +181,9 @@ fn newton(
     let mut x = start.to_vec();
     x.resize(declaration.inputs(), 0.0);
     let mut values = vec![0.0; 2 * count];
-    model.joints(&x, &mut values);
+    model.values(Function::Joints, &x, &mut values);
     let mut slopes = vec![0.0; joints.jacobian.entries.len()];
-    model.joints_jacobian(&x, &mut slopes);
+    model.jacobian(Function::Joints, &x, &mut slopes);
     let mut matrix = DMatrix::zeros(count, free.len());
     let mut sizes = vec![0.0_f64; count];
     for (&(row, column), slope) in joints.jacobian.entries.iter().zip(slopes) {

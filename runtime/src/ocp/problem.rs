@@ -1,6 +1,6 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
-use crate::model::{Given, Model, Pieces, contact_point, held};
+use crate::model::{Function, Given, Model, Pieces, contact_point, held};
 use crate::refusal;
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 
@@ -184,8 +184,8 @@ impl Problem {
         input.resize(declaration.path_inputs(), 0.0);
         let mut values = vec![0.0; declared.path_functions()];
         let mut slopes = vec![0.0; declared.path_jacobian.entries.len()];
-        model.path_functions(&input, &mut values);
-        model.path_jacobian(&input, &mut slopes);
+        model.values(Function::Path, &input, &mut values);
+        model.jacobian(Function::Path, &input, &mut slopes);
         let first = usize::from(declared.running_cost);
         for (known, function) in declared.constraints.iter().zip(first..) {
             let entries = declared.path_jacobian.entries.iter().zip(&slopes);

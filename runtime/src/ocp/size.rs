@@ -56,7 +56,7 @@ pub fn program_size(
     settings.check()?;
     let unknown = with_unknowns(model, problem, settings)?;
     let (model, problem) = match &unknown {
-        Some(unknown) => (&*unknown.model, &unknown.problem),
+        Some(unknown) => (&unknown.model as &dyn Model, &unknown.problem),
         None => (model, problem),
     };
     let known = joined(model, problem)?;

@@ -10,6 +10,7 @@ use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
 use crate::refusal;
+use crate::scene::TextScene;
 use crate::simulation::InputError;
 
 /// A free parameter (index) and its range.
@@ -20,7 +21,7 @@ pub(in crate::ocp) struct Unknown<'a> {
     /// The scene as it was given.
     scene: &'a dyn Model,
     /// The scene with its free parameters as coordinates.
-    pub(in crate::ocp) model: Box<dyn Model>,
+    pub(in crate::ocp) model: TextScene,
     pub(in crate::ocp) problem: Problem,
     /// The parameters (indices) that are coordinates in it.
     held: Vec<usize>,
@@ -42,36 +43,15 @@ pub(in crate::ocp) fn with_unknowns<'a>(
     indices.extend(&settings.gradient);
     indices.sort_unstable();
     indices.dedup();
-    let names = scene.declaration().parameters;
-    let first = indices.first().and_then(|&first| names.get(first));
-    let what = match first {
-        Some(first) if free.is_empty() => {
-            format!("the derivative of an optimum by `{}`", first.name)
-        }
-        Some(first) => format!("the free parameter `{}`", first.name),
-        None if !scene.remembered().is_empty() => {
-            "`start(...)` of what is free at the start,".to_owned()
-        }
-        None => match scene.epigraphs().first() {
-            Some(known) => format!(
-                "the largest value in `{}`, which is an unknown,",
-                known.name
-            ),
-            None => return Ok(None),
-        },
-    };
-    let model = match scene.with_held(&indices) {
-        Some(Ok(model)) => model,
-        Some(Err(why)) => return Err(InputError::unsupported(why)),
-        None => {
-            return Err(refusal::unsupported(
-                format!("{what} of a model that was written by hand"),
-                "declare it by `model!` or in a file",
-            ));
-        }
-    };
-    let problem = extended(scene, problem, &indices, model.as_ref());
-    check_laws(model.as_ref(), &problem)?;
+    let asks = !indices.is_empty()
+        || !scene.structure().remembered.is_empty()
+        || !scene.structure().epigraphs.is_empty();
+    if !asks {
+        return Ok(None);
+    }
+    let model = scene.with_held(&indices).map_err(InputError::unsupported)?;
+    let problem = extended(scene, problem, &indices, &model);
+    check_laws(&model, &problem)?;
     Ok(Some(Unknown {
         scene,
         model,
@@ -161,7 +141,7 @@ fn extended(
     let mut problem = problem.clone();
     let values = parameters.iter().map(|&index| scene.parameter(index));
     let start = problem.start();
-    let remembered = scene.remembered().iter().map(|&k| start[k]);
+    let remembered = scene.structure().remembered.iter().map(|&k| start[k]);
     problem.q.extend(values.chain(remembered));
     let largest = model.held().map_or(0, |held| held.largest);
     problem.q.resize(problem.q.len() + largest, 0.0);

@@ -11,7 +11,7 @@ use super::kernel::Kernel;
 use super::powers::{THOUSAND, nearest_power};
 use super::sparse_program::Program;
 use crate::joints::partition::{Jacobian, deciding};
-use crate::model::{JointsDeclaration, Model};
+use crate::model::{Function, JointsDeclaration, Model};
 
 /// The components of `(q, v)` that joints decide in a part of a motion; none in a scene without joints.
 pub(crate) struct Decided {
@@ -79,7 +79,7 @@ pub(crate) fn add(
     };
     let uses: Vec<(usize, usize, f64)> = rows.iter().map(add).collect();
     if !uses.is_empty() {
-        program.block(&Kernel::Joints, [q, v, u, &[]], None, uses);
+        program.block(&Kernel::Whole(Function::Joints), [q, v, u, &[]], None, uses);
     }
 }
 

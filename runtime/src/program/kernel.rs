@@ -1,6 +1,8 @@
 //! Functions of a model that appear in the rows of a program, with their derivatives.
 
-use crate::model::{Declaration, Model, SparsityPattern, contact_point, tangent_point};
+use crate::model::{
+    Declaration, Function, Model, Signature, SparsityPattern, contact_point, tangent_point,
+};
 
 /// A vector-valued function of a local input vector `(q, v, u, r)`, where `r` has one entry for each
 /// contact that acts.
@@ -16,16 +18,8 @@ pub(crate) enum Kernel {
     Sliding(usize),
     /// `e_i(q) s_i`: the effect of a tangential force or impulse of one contact with friction.
     Friction(Vec<usize>),
-    /// The path functions that the scene declares, of `(q, v, u)` and what contacts provide.
-    Path,
-    /// The terminal functions that the scene declares, of `(q, v, T)`, sums over impacts and what contacts provide.
-    Terminal,
-    /// The impact functions that the scene declares, of `(q, v, u)` and what contacts provide.
-    Impact,
-    /// What parameters that stand behind the coordinates decide of start, horizon and laws, of `q`.
-    Given,
-    /// `(g, w)`: positions of all equations of joints, and then their velocities.
-    Joints,
+    /// A function of joints or of optimal control as it stands, of what it reads.
+    Whole(Function),
 }
 
 impl Kernel {
@@ -35,13 +29,7 @@ impl Kernel {
             Self::Acceleration(contacts) | Self::Push(contacts) | Self::Friction(contacts) => {
                 contacts
             }
-            Self::Contact(_)
-            | Self::Sliding(_)
-            | Self::Path
-            | Self::Terminal
-            | Self::Impact
-            | Self::Given
-            | Self::Joints => &[],
+            Self::Contact(_) | Self::Sliding(_) | Self::Whole(_) => &[],
         }
     }
 
@@ -50,6 +38,14 @@ impl Kernel {
         match *self {
             Self::Contact(contact) | Self::Sliding(contact) => Some(contact),
             _ => None,
+        }
+    }
+
+    /// The function of a contact that the kernel reads.
+    fn beside(&self, contact: usize) -> Function {
+        match self {
+            Self::Sliding(_) | Self::Friction(_) => Function::Tangent(contact),
+            _ => Function::Contact(contact),
         }
     }
 
@@ -77,38 +73,10 @@ fn scatter(entries: &[(u32, u32)], values: &[f64], matrix: &mut [f64], columns: 
     }
 }
 
-/// Patterns of Jacobian and Hessian, and number of the functions that a scene declares for optimal control, of those of
-/// parameters alone, or of those of joints.
-fn declared(
-    kernel: &Kernel,
-    model: &dyn Model,
-) -> Option<(SparsityPattern, SparsityPattern, usize)> {
-    let declaration = model.declaration();
-    if *kernel == Kernel::Given {
-        let held = model.held()?;
-        return Some((held.jacobian, held.hessian, held.given.len()));
-    }
-    if *kernel == Kernel::Joints {
-        let joints = declaration.joints?;
-        return Some((joints.jacobian, joints.hessian, 2 * joints.rows()));
-    }
-    let declared = declaration.optimal_control?;
-    match kernel {
-        Kernel::Path => Some((
-            declared.path_jacobian,
-            declared.path_hessian,
-            declared.path_functions(),
-        )),
-        Kernel::Terminal => Some((
-            declared.terminal_jacobian,
-            declared.terminal_hessian,
-            declared.terminal_functions(),
-        )),
-        Kernel::Impact => Some((
-            declared.contacts.impact_jacobian,
-            declared.contacts.impact_hessian,
-            declared.contacts.impact_functions(),
-        )),
+/// A function that stands as it is, and its signature.
+fn whole(kernel: &Kernel, model: &dyn Model) -> Option<(Function, Signature)> {
+    match *kernel {
+        Kernel::Whole(function) => Some((function, model.signature(function)?)),
         _ => None,
     }
 }
@@ -175,9 +143,9 @@ impl Structure {
             structure.mark_first(first, |row| Some(row).filter(|row| *row < observed));
             structure.mark_second(second);
         }
-        if let Some((first, second, _)) = declared(kernel, model) {
-            structure.mark_first(first, Some);
-            structure.mark_second(second);
+        if let Some((_, signature)) = whole(kernel, model) {
+            structure.mark_first(signature.jacobian, Some);
+            structure.mark_second(signature.hessian);
         }
         structure
     }
@@ -213,20 +181,13 @@ impl<'a> Evaluator<'a> {
     pub(crate) fn new(model: &'a dyn Model, kernel: Kernel) -> Self {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
-        let plain = match kernel {
-            Kernel::Path => declaration.path_inputs(),
-            Kernel::Terminal => declaration.terminal_inputs(),
-            Kernel::Impact => declaration.impact_inputs(),
-            _ => declaration.inputs(),
-        };
+        let whole = whole(&kernel, model).map(|(_, signature)| signature);
+        let plain = whole.map_or(declaration.inputs(), |whole| whole.inputs);
         let inputs = plain + kernel.acting().len();
-        let functions = declared(&kernel, model);
         let outputs = match kernel {
             Kernel::Contact(_) => 2,
             Kernel::Sliding(_) => 1,
-            Kernel::Path | Kernel::Terminal | Kernel::Impact | Kernel::Given | Kernel::Joints => {
-                functions.map_or(0, |f| f.2)
-            }
+            Kernel::Whole(_) => whole.map_or(0, |whole| whole.values),
             Kernel::Acceleration(_) | Kernel::Push(_) | Kernel::Friction(_) => n,
         };
         let structure = Structure::of(&kernel, model, plain, outputs);
@@ -242,8 +203,8 @@ impl<'a> Evaluator<'a> {
             .chain([
                 declaration.free_jacobian.entries.len(),
                 declaration.free_hessian.entries.len(),
-                functions.map_or(0, |f| f.0.entries.len()),
-                functions.map_or(0, |f| f.1.entries.len()),
+                whole.map_or(0, |whole| whole.jacobian.entries.len()),
+                whole.map_or(0, |whole| whole.hessian.entries.len()),
             ])
             .max();
         Self {
@@ -277,11 +238,7 @@ impl<'a> Evaluator<'a> {
         match &self.kernel {
             Kernel::Acceleration(_) => self.model.free_acceleration(plain, &mut self.outputs),
             Kernel::Push(_) | Kernel::Friction(_) => self.outputs.fill(0.0),
-            Kernel::Path => self.model.path_functions(plain, &mut self.outputs),
-            Kernel::Terminal => self.model.terminal_functions(plain, &mut self.outputs),
-            Kernel::Impact => self.model.impact_functions(plain, &mut self.outputs),
-            Kernel::Given => self.model.given_values(plain, &mut self.outputs),
-            Kernel::Joints => self.model.joints(plain, &mut self.outputs),
+            Kernel::Whole(function) => self.model.values(*function, plain, &mut self.outputs),
             Kernel::Contact(contact) => {
                 self.model.contact(*contact, plain, &mut self.point);
                 self.outputs[0] = self.point[contact_point::GAP];
@@ -326,12 +283,8 @@ impl<'a> Evaluator<'a> {
     fn side_jacobian(&mut self, contact: usize, plain: &[f64]) -> (SparsityPattern, usize) {
         let (pattern, _, skipped) = self.kernel.side(self.model.declaration(), contact);
         let values = &mut self.values[..pattern.entries.len()];
-        match self.kernel {
-            Kernel::Sliding(_) | Kernel::Friction(_) => {
-                self.model.tangent_jacobian(contact, plain, values);
-            }
-            _ => self.model.contact_jacobian(contact, plain, values),
-        }
+        self.model
+            .jacobian(self.kernel.beside(contact), plain, values);
         (pattern, skipped)
     }
 
@@ -340,12 +293,8 @@ impl<'a> Evaluator<'a> {
         let (_, pattern, skipped) = self.kernel.side(self.model.declaration(), contact);
         let values = &mut self.values[..pattern.entries.len()];
         let weights = &self.weights[..skipped + self.coordinates];
-        match self.kernel {
-            Kernel::Sliding(_) | Kernel::Friction(_) => {
-                self.model.tangent_hessian(contact, plain, weights, values);
-            }
-            _ => self.model.contact_hessian(contact, plain, weights, values),
-        }
+        let function = self.kernel.beside(contact);
+        self.model.hessian(function, plain, weights, values);
         let inputs = self.inputs();
         scatter(pattern.entries, &self.values, &mut self.hessian, inputs);
     }
@@ -360,7 +309,7 @@ impl<'a> Evaluator<'a> {
         if matches!(self.kernel, Kernel::Acceleration(_)) {
             let entries = declaration.free_jacobian.entries;
             self.model
-                .free_jacobian(plain, &mut self.values[..entries.len()]);
+                .jacobian(Function::Motion, plain, &mut self.values[..entries.len()]);
             scatter(entries, &self.values, &mut self.jacobian, inputs);
         }
         for (index, force) in forces.iter().enumerate() {
@@ -377,16 +326,10 @@ impl<'a> Evaluator<'a> {
                 }
             }
         }
-        if let Some((pattern, ..)) = declared(&self.kernel, self.model) {
-            let values = &mut self.values[..pattern.entries.len()];
-            match self.kernel {
-                Kernel::Terminal => self.model.terminal_jacobian(plain, values),
-                Kernel::Impact => self.model.impact_jacobian(plain, values),
-                Kernel::Given => self.model.given_jacobian(plain, values),
-                Kernel::Joints => self.model.joints_jacobian(plain, values),
-                _ => self.model.path_jacobian(plain, values),
-            }
-            scatter(pattern.entries, &self.values, &mut self.jacobian, inputs);
+        if let Some((function, Signature { jacobian, .. })) = whole(&self.kernel, self.model) {
+            let values = &mut self.values[..jacobian.entries.len()];
+            self.model.jacobian(function, plain, values);
+            scatter(jacobian.entries, &self.values, &mut self.jacobian, inputs);
         }
         if let Some(contact) = self.kernel.observed() {
             let (pattern, observed) = self.side_jacobian(contact, plain);
@@ -407,8 +350,12 @@ impl<'a> Evaluator<'a> {
         let declaration = self.model.declaration();
         if matches!(self.kernel, Kernel::Acceleration(_)) {
             let entries = declaration.free_hessian.entries;
-            self.model
-                .free_hessian(plain, multipliers, &mut self.values[..entries.len()]);
+            self.model.hessian(
+                Function::Motion,
+                plain,
+                multipliers,
+                &mut self.values[..entries.len()],
+            );
             scatter(entries, &self.values, &mut self.hessian, inputs);
         }
         for (index, force) in forces.iter().enumerate() {
@@ -427,16 +374,10 @@ impl<'a> Evaluator<'a> {
                 }
             }
         }
-        if let Some((_, pattern, _)) = declared(&self.kernel, self.model) {
-            let values = &mut self.values[..pattern.entries.len()];
-            match self.kernel {
-                Kernel::Terminal => self.model.terminal_hessian(plain, multipliers, values),
-                Kernel::Impact => self.model.impact_hessian(plain, multipliers, values),
-                Kernel::Given => self.model.given_hessian(plain, multipliers, values),
-                Kernel::Joints => self.model.joints_hessian(plain, multipliers, values),
-                _ => self.model.path_hessian(plain, multipliers, values),
-            }
-            scatter(pattern.entries, &self.values, &mut self.hessian, inputs);
+        if let Some((function, Signature { hessian, .. })) = whole(&self.kernel, self.model) {
+            let values = &mut self.values[..hessian.entries.len()];
+            self.model.hessian(function, plain, multipliers, values);
+            scatter(hessian.entries, &self.values, &mut self.hessian, inputs);
         }
         if let Some(contact) = self.kernel.observed() {
             self.weights.fill(0.0);

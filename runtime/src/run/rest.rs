@@ -4,6 +4,7 @@
 use super::instant::Instant;
 use super::place::{Place, sizes};
 use crate::contact::{Rest, View};
+use crate::model::Function;
 
 /// Share of the horizon within which switches that lead to a rest follow each other.
 pub(crate) const BURST: f64 = 1e-6;
@@ -197,7 +198,7 @@ fn move_to_zero(
             };
             let entries = friction.jacobian.entries;
             let mut values = vec![0.0; entries.len()];
-            model.tangent_jacobian(i, x, &mut values);
+            model.jacobian(Function::Tangent(i), x, &mut values);
             view.evaluate_tangent(i, x);
             let value = view.sliding_velocity(i);
             let moves =

@@ -1,42 +1,29 @@
 //! A text derived once more, for what has to know about some of its parameters.
 
 use super::data::Structure;
-use super::declared::{Again, Derived, Scene};
-use super::text::{Shared, TextScene};
+use super::text::{Again, Declared, Shared, TextScene};
 use super::thread::on_a_thread;
 use hangtime_dsl::description::Description;
 use hangtime_dsl::{describe_differentiated, describe_held};
 use std::sync::Arc;
 
-/// The scene at its present values, derived once more from its text with those parameters (indices) unless that was done before.
+/// What copies share of a scene that is derived once more from its text with those parameters (indices), unless that was done before.
 ///
 /// # Errors
 /// The first mistake, or that it is too large.
 pub(super) fn derived(
-    scene: &impl Scene,
+    declared: &Declared,
     again: Again,
     parameters: &[usize],
-) -> Result<TextScene, String> {
-    let (declared, structure) = (scene.declared(), scene.structure());
-    let known = match again {
-        Again::Same => scene.shared(),
-        _ => None,
-    };
-    let known = known.or_else(|| declared.find(again, parameters));
-    let shared = match known.and_then(|known| known.downcast::<Shared>().ok()) {
-        Some(shared) => shared,
-        None => {
-            let description = description(structure, &declared.text, (again, parameters))?;
-            let derived = TextScene::new(description, &declared.text, String::new());
-            let shared = derived.map_err(|_| TOO_LARGE.to_owned())?.shared;
-            let kept: Derived = Arc::<Shared>::clone(&shared);
-            declared.keep(again, parameters, kept);
-            shared
-        }
-    };
-    let numbers = structure.declaration.parameters.len() + structure.joint_rows();
-    let numbers = (0..numbers).map(|index| scene.number(index)).collect();
-    Ok(TextScene::at(shared, numbers, scene.experiment()))
+) -> Result<Arc<Shared>, String> {
+    if let Some(known) = declared.find(again, parameters) {
+        return Ok(known);
+    }
+    let description = description(declared.structure, &declared.text, (again, parameters))?;
+    let derived = TextScene::new(description, &declared.text, String::new());
+    let shared = derived.map_err(|_| TOO_LARGE.to_owned())?.shared;
+    declared.keep(again, parameters, &shared);
+    Ok(shared)
 }
 
 /// What is derived from a text with those parameters; an error is the first mistake.

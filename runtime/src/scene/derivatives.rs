@@ -1,34 +1,52 @@
 //! Derivatives of a scene by its parameters.
 
-use super::again;
 use super::data::{OptimalControl, Structure};
-use super::declared::{Again, Scene};
-use super::places::{self, scatter};
+use super::functions::{Function, Order};
+use super::places::{self, contact_point, scatter};
 use super::text::TextScene;
-use crate::model::{Model, ParameterDerivatives, SparsityPattern, contact_point};
-use hangtime_dsl::declaration::OptimalControlDeclaration;
+use hangtime_dsl::declaration::{OptimalControlDeclaration, SparsityPattern};
 use hangtime_dsl::description::{Derivative, Kernels, Sensitivity};
 
-/// A scene whose Jacobians have columns for parameters.
-pub(super) struct Derivatives {
+/// Derivatives of the functions of a [`Model`](super::Model) by its inputs `x` and by some of its parameters, at the values that
+/// these had when this was made.
+///
+/// All are dense matrices, row-major, with a row for each value of the function and a column for each component of `x`; the
+/// columns of the `p` parameters stand behind those.
+pub struct ParameterDerivatives {
+    /// A scene whose Jacobians have columns for parameters.
     scene: TextScene,
     sensitivity: Sensitivity,
 }
 
-impl Derivatives {
-    /// Derives `scene` once more, unless that was done before; none if that is not possible.
-    pub(super) fn of(scene: &impl Scene, parameters: &[usize]) -> Option<Self> {
-        let scene = again::derived(scene, Again::Differentiated, parameters).ok()?;
-        let sensitivity = scene.structure().sensitivity?;
+impl ParameterDerivatives {
+    /// Those that a scene knows that was derived with parameters; none of one that was derived without.
+    pub(super) fn of(scene: TextScene) -> Option<Self> {
+        let sensitivity = scene.shared.declared.structure.sensitivity?;
         Some(Self { scene, sensitivity })
     }
 
     fn structure(&self) -> &'static Structure {
-        self.scene.structure()
+        self.scene.shared.declared.structure
     }
 
     fn columns(&self) -> usize {
         self.structure().columns()
+    }
+
+    /// Evaluates a Jacobian and puts its values into the rows that `row` names, of a matrix of zeros otherwise.
+    fn rows(
+        &self,
+        (function, pattern): (Function, SparsityPattern),
+        x: &[f64],
+        row: impl Fn(usize) -> usize,
+        out: &mut [f64],
+    ) {
+        let mut nonzeros = vec![0.0; pattern.entries.len()];
+        let jacobian = (function, Order::Jacobian);
+        self.scene
+            .view(|view| view.evaluate(jacobian, (x, &[]), &mut nonzeros));
+        out.fill(0.0);
+        scatter(pattern, &nonzeros, row, out);
     }
 
     /// Evaluates a kernel and puts its values into the rows that `row` names, of a matrix of zeros.
@@ -41,7 +59,7 @@ impl Derivatives {
     ) {
         let mut values = vec![0.0; derivative.pattern.entries.len()];
         self.scene
-            .evaluate(derivative.kernel, x, weights, &mut values);
+            .kernel(derivative.kernel, x, weights, &mut values);
         scatter(derivative.pattern, &values, row, out);
     }
 
@@ -62,7 +80,7 @@ impl Derivatives {
         };
         let entries = pattern(declared).entries;
         let mut values = vec![0.0; entries.len()];
-        self.scene.evaluate(kernel, x, &[], &mut values);
+        self.scene.kernel(kernel, x, &[], &mut values);
         for (&(row, column), value) in entries.iter().zip(&values) {
             if row == 0 {
                 out[column as usize] = *value;
@@ -77,30 +95,30 @@ impl Derivatives {
             self.put(derivative, (&[], &[]), |row| row, out);
         }
     }
-}
 
-impl ParameterDerivatives for Derivatives {
-    fn start(&self, values: &mut [f64]) {
+    /// Of the initial coordinates and then velocities, by the parameters: `2 n_q` rows and `p` columns.
+    pub fn start(&self, values: &mut [f64]) {
         let own = self
             .scene
-            .experiment()
+            .experiment
             .and_then(|index| self.sensitivity.starts.get(index)?.as_ref());
         self.of_parameters(Some(own.unwrap_or(&self.sensitivity.start)), values);
     }
 
-    fn horizon(&self, values: &mut [f64]) {
+    /// Of the declared length of a simulation, by the parameters: `p` numbers, 0 where none is declared.
+    pub fn horizon(&self, values: &mut [f64]) {
         self.of_parameters(self.sensitivity.horizon.as_ref(), values);
     }
 
-    fn free_acceleration(&self, x: &[f64], values: &mut [f64]) {
+    /// Of [`Function::Motion`].
+    pub fn free_acceleration(&self, x: &[f64], values: &mut [f64]) {
         let pattern = self.structure().declaration.free_jacobian;
-        let mut nonzeros = vec![0.0; pattern.entries.len()];
-        self.scene.free_jacobian(x, &mut nonzeros);
-        values.fill(0.0);
-        scatter(pattern, &nonzeros, |row| row, values);
+        self.rows((Function::Motion, pattern), x, |row| row, values);
     }
 
-    fn contact(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+    /// Of [`Function::Contact`], with rows in the layout of [`contact_point`]. Where the inverse inertia has no derivative its row is
+    /// not a number.
+    pub fn contact(&self, contact: usize, x: &[f64], values: &mut [f64]) {
         let declaration = &self.structure().declaration;
         let (Some(known), Some(derived)) = (
             declaration.contacts.get(contact),
@@ -109,11 +127,8 @@ impl ParameterDerivatives for Derivatives {
             return values.fill(f64::NAN);
         };
         let n = declaration.coordinates.len();
-        let pattern = known.jacobian;
-        let mut nonzeros = vec![0.0; pattern.entries.len()];
-        self.scene.contact_jacobian(contact, x, &mut nonzeros);
-        values.fill(0.0);
-        scatter(pattern, &nonzeros, |row| places::of_contact(n, row), values);
+        let rows = (Function::Contact(contact), known.jacobian);
+        self.rows(rows, x, |row| places::of_contact(n, row), values);
         let columns = self.columns();
         if known.dry {
             // What stands there is the given normal acceleration.
@@ -125,7 +140,8 @@ impl ParameterDerivatives for Derivatives {
         }
     }
 
-    fn tangent(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+    /// Of [`Function::Tangent`], with rows in the layout of [`tangent_point`](super::tangent_point).
+    pub fn tangent(&self, contact: usize, x: &[f64], values: &mut [f64]) {
         let declaration = &self.structure().declaration;
         let known = declaration.contacts.get(contact);
         let derived = self.sensitivity.contacts.get(contact);
@@ -136,41 +152,36 @@ impl ParameterDerivatives for Derivatives {
             return values.fill(f64::NAN);
         };
         let n = declaration.coordinates.len();
-        let pattern = known.jacobian;
-        let mut nonzeros = vec![0.0; pattern.entries.len()];
-        self.scene.tangent_jacobian(contact, x, &mut nonzeros);
-        values.fill(0.0);
-        scatter(
-            pattern,
-            &nonzeros,
-            |row| places::of_friction(n, row),
-            values,
-        );
+        let rows = (Function::Tangent(contact), known.jacobian);
+        self.rows(rows, x, |row| places::of_friction(n, row), values);
         let place = places::of_tangent_geometry;
         self.put(&derived.geometry, (x, &[]), place, values);
     }
 
-    fn joints(&self, x: &[f64], values: &mut [f64]) {
+    /// Of [`Function::Joints`]. Only for scenes with joints.
+    pub fn joints(&self, x: &[f64], values: &mut [f64]) {
         values.fill(0.0);
         if let Some(joints) = &self.structure().declaration.joints {
-            let mut nonzeros = vec![0.0; joints.jacobian.entries.len()];
-            self.scene.joints_jacobian(x, &mut nonzeros);
-            scatter(joints.jacobian, &nonzeros, |row| row, values);
+            let rows = (Function::Joints, joints.jacobian);
+            self.rows(rows, x, |row| row, values);
         }
     }
 
-    fn restitution(&self, contact: usize, values: &mut [f64]) {
+    /// Of [`Model::restitution`](super::Model::restitution), by the parameters.
+    pub fn restitution(&self, contact: usize, values: &mut [f64]) {
         let known = self.sensitivity.contacts.get(contact);
         self.of_parameters(known.and_then(|known| known.restitution.as_ref()), values);
     }
 
-    fn friction(&self, contact: usize, values: &mut [f64]) {
+    /// Of [`Model::friction`](super::Model::friction), by the parameters.
+    pub fn friction(&self, contact: usize, values: &mut [f64]) {
         let known = self.sensitivity.contacts.get(contact);
         let friction = known.and_then(|known| known.friction.as_ref());
         self.of_parameters(friction.map(|friction| &friction.coefficient), values);
     }
 
-    fn reset(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+    /// Of [`Model::reset`](super::Model::reset), of all velocities. Only for conditions that set something.
+    pub fn reset(&self, contact: usize, x: &[f64], values: &mut [f64]) {
         values.fill(0.0);
         let known = self.sensitivity.contacts.get(contact);
         if let Some(reset) = known.and_then(|known| known.reset.as_ref()) {
@@ -178,18 +189,22 @@ impl ParameterDerivatives for Derivatives {
         }
     }
 
-    fn outputs(&self, x: &[f64], contacts: &[f64], values: &mut [f64]) {
+    /// Of [`Model::output_values`](super::Model::output_values), by `(q, v, u, t)`, by the forces and impulses of `contacts`,
+    /// by the forces of joints behind them, and by the parameters.
+    pub fn outputs(&self, x: &[f64], contacts: &[f64], values: &mut [f64]) {
         values.fill(0.0);
         if let Some(outputs) = &self.sensitivity.outputs {
             self.put(outputs, (x, contacts), |row| row, values);
         }
     }
 
-    fn running_cost(&self, x: &[f64], values: &mut [f64]) {
+    /// Of the running cost. Only for scenes whose costs read nothing of contacts.
+    pub fn running_cost(&self, x: &[f64], values: &mut [f64]) {
         self.first_of(|task| task.path, |task| task.path_jacobian, x, values);
     }
 
-    fn final_cost(&self, z: &[f64], values: &mut [f64]) {
+    /// Of the final cost, by `z = (q, v, T)` and by the parameters. Only for scenes whose costs read nothing of contacts.
+    pub fn final_cost(&self, z: &[f64], values: &mut [f64]) {
         self.first_of(
             |task| task.terminal,
             |task| task.terminal_jacobian,

@@ -1,4 +1,4 @@
-//! Scenes that the language derived: one [`Model`](crate::model::Model) over a description and kernels.
+//! Scenes that the language derived: one [`Model`] over a description and kernels.
 //!
 //! The description says what is declared, and of which kernels what solvers ask for is made: a kernel's values, the solution of a
 //! linear system and its derivatives, a direction by an inertia that contacts share. Kernels are functions in a scene that
@@ -7,8 +7,8 @@
 //! scene carries.
 
 mod again;
-mod declared;
 mod derivatives;
+mod functions;
 mod inertia;
 mod model;
 mod places;
@@ -17,14 +17,17 @@ mod run;
 mod solved;
 mod steps;
 mod system;
-mod tapes;
+pub mod tape;
 mod text;
 mod thread;
 
-pub use declared::{Declared, Derived, Scene};
+pub use derivatives::ParameterDerivatives;
+pub use functions::{Function, Signature};
 pub use hangtime_dsl::description::{inverse_root, piecewise, root};
+pub use model::Model;
+pub use places::{contact_point, tangent_point};
 pub use program::TooLarge;
-pub use text::TextScene;
+pub use text::{Declared, Shared, TextScene};
 pub use thread::on_a_thread;
 
 pub mod data {

@@ -1,9 +1,12 @@
-//! What follows from kernels by linear algebra: solutions of linear systems, directions of contacts, and their derivatives.
+//! What solvers ask of a scene, of its kernels: their values, and what follows from them by linear algebra, solutions of linear systems,
+//! directions of contacts, and derivatives of these.
 
 use super::data::{Rows, SparsityPattern, Structure, Vectors};
+use super::functions::{Function, Order, contact_of, friction_of, signature};
 use super::inertia::{Direction, Evaluate};
+use super::places::contact_point;
 use super::system::{Solution, zeros};
-use super::variants::{Inertia, System};
+use super::variants::{Inertia, Kernels, Solved, System};
 use std::cell::Cell;
 
 /// The kernels of a scene and how they are put together.
@@ -36,6 +39,159 @@ pub(super) fn lend<T>(work: impl FnOnce(&mut Work) -> T) -> T {
 }
 
 impl View<'_> {
+    /// Evaluates a function or one of its derivatives at `x`, weighted by multipliers.
+    pub(super) fn evaluate(
+        &self,
+        (function, order): (Function, Order),
+        (x, weights): (&[f64], &[f64]),
+        out: &mut [f64],
+    ) {
+        let structure = self.structure;
+        let task = structure.optimal_control.as_ref();
+        let at = (order, x, weights);
+        let side = |contact| friction_of(structure, contact).map(|(_, known)| known);
+        let kernels = match function {
+            Function::Motion => return self.motion(at, out),
+            Function::Contact(contact) => return self.contact(contact, at, out),
+            Function::Tangent(contact) => {
+                let known = side(contact).map(|known| (known.tangent, &known.rows));
+                return self.sided((function, known), at, out);
+            }
+            Function::Across(contact) => {
+                let known = side(contact).and_then(|known| known.across.as_ref());
+                let known = known.map(|(kernel, rows)| (*kernel, rows));
+                return self.sided((function, known), at, out);
+            }
+            Function::Joints => structure.joints.map(|joints| joints.functions),
+            Function::Path => task.and_then(|task| task.path),
+            Function::Terminal => task.and_then(|task| task.terminal),
+            Function::Impact => task.and_then(|task| task.impact),
+            Function::Given => structure.held.and_then(|held| held.given),
+        };
+        if let Some((values, jacobian, hessian)) = kernels {
+            let kernel = match order {
+                Order::Value => values,
+                Order::Jacobian => jacobian,
+                Order::Hessian => hessian,
+            };
+            (self.evaluate)(kernel, x, weights, out);
+        }
+    }
+
+    /// Of the acceleration without contact.
+    fn motion(&self, (order, x, weights): (Order, &[f64], &[f64]), out: &mut [f64]) {
+        let structure = self.structure;
+        let known = structure.motion;
+        let kernel = match (order, known.derivatives) {
+            (Order::Value, _) => known.acceleration,
+            (Order::Jacobian, Kernels(jacobian, _)) => Some(jacobian),
+            (Order::Hessian, Kernels(_, hessian)) => Some(hessian),
+            _ => None,
+        };
+        let system = match (kernel, known.derivatives) {
+            (Some(kernel), _) => return (self.evaluate)(kernel, x, weights, out),
+            (None, Kernels(..)) => return out.fill(f64::NAN),
+            (None, Solved(system)) => system,
+        };
+        match order {
+            Order::Value => lend(|work| {
+                self.solve(work, system, x);
+                let size = structure.systems[system].size;
+                out.copy_from_slice(&work.solution.y[size..][..out.len()]);
+            }),
+            Order::Jacobian => lend(|work| {
+                self.differentiate(work, system, x);
+                let pattern = structure.declaration.free_jacobian;
+                work.solution.gather(pattern.entries, 0, out);
+            }),
+            Order::Hessian => {
+                let pattern = structure.declaration.free_hessian;
+                self.second((system, weights), x, (pattern, out));
+            }
+        }
+    }
+
+    /// Forces of joints, which stand behind the accelerations in the solution of the system of motion with the other sign.
+    pub(super) fn joint_forces(&self, system: usize, x: &[f64], forces: &mut [f64]) {
+        lend(|work| {
+            self.solve(work, system, x);
+            let size = self.structure.systems[system].size;
+            let behind = size + self.structure.declaration.coordinates.len();
+            for (force, y) in forces.iter_mut().zip(&work.solution.y[behind..]) {
+                *force = -y;
+            }
+        });
+    }
+
+    /// Of a contact.
+    fn contact(&self, contact: usize, at: (Order, &[f64], &[f64]), out: &mut [f64]) {
+        let structure = self.structure;
+        let Some((declared, known)) = contact_of(structure, contact) else {
+            return out.fill(f64::NAN);
+        };
+        let side = (Function::Contact(contact), (known.point, &known.rows));
+        let solved = self.at_point(side, at, out);
+        if !matches!(at.0, Order::Value) {
+            return;
+        }
+        if let Some(inverse_inertia) = solved {
+            // Of dry friction it is a formula.
+            if !declared.dry {
+                out[contact_point::INVERSE_INERTIA] = inverse_inertia;
+            }
+        } else if known.inertia_from_motion
+            && let Solved(system) = structure.motion.derivatives
+        {
+            let n = structure.declaration.coordinates.len();
+            let normal = &out[contact_point::NORMAL..][..n];
+            let inverse = self.inverse_inertia(system, at.1, normal);
+            out[contact_point::INVERSE_INERTIA] = inverse;
+        }
+    }
+
+    /// Of a tangential side, if there is one.
+    fn sided(
+        &self,
+        (function, known): (Function, Option<(usize, &Rows)>),
+        at: (Order, &[f64], &[f64]),
+        out: &mut [f64],
+    ) {
+        match known {
+            Some(known) => _ = self.at_point((function, known), at, out),
+            None => out.fill(f64::NAN),
+        }
+    }
+
+    /// What is known at a point, in formulas and behind them a direction, or derivatives of the rows. Gives the inverse inertia along the
+    /// normal if it follows from the direction.
+    fn at_point(
+        &self,
+        (function, (kernel, rows)): (Function, (usize, &Rows)),
+        (order, x, weights): (Order, &[f64], &[f64]),
+        out: &mut [f64],
+    ) -> Option<f64> {
+        match order {
+            Order::Value => {
+                (self.evaluate)(kernel, x, &[], out);
+                rows.solved?;
+                // The direction stands behind all formulas.
+                let formulas = out.len() - self.structure.declaration.coordinates.len();
+                return self.direction(rows, x, &mut out[formulas..]);
+            }
+            Order::Jacobian => {
+                (self.evaluate)(rows.kernels.0, x, &[], out);
+                let pattern = signature(self.structure, function)?.jacobian;
+                self.rows_jacobian(rows, pattern, x, out);
+            }
+            Order::Hessian if rows.solved.is_some() => {
+                let pattern = signature(self.structure, function)?.hessian;
+                self.rows_hessian(rows, pattern, (x, weights), out);
+            }
+            Order::Hessian => (self.evaluate)(rows.kernels.1, x, weights, out),
+        }
+        None
+    }
+
     /// As many values of a kernel as `count`, in lent memory.
     fn values(
         &self,

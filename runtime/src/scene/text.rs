@@ -1,13 +1,60 @@
 //! A scene whose functions are evaluated without a compiler.
 
 use super::data::Structure;
-use super::declared::{Declared, Derived, Scene};
 use super::program::{Program, TooLarge};
 use super::run;
-use super::tapes::Tapes;
-use crate::model::{Explicit, Tape};
-use hangtime_dsl::description::Description;
-use std::sync::Arc;
+use super::solved::View;
+use super::tape::{Explicit, Tape};
+use hangtime_dsl::description::{Description, Kernel};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
+
+/// A scene as it was declared.
+#[derive(Debug)]
+pub struct Declared {
+    pub(super) structure: &'static Structure,
+    pub(super) text: Cow<'static, str>,
+    /// Derived once more, in all ways that were asked for, and by which parameters (indices).
+    known: Mutex<Vec<(Again, Vec<usize>, Arc<Shared>)>>,
+}
+
+/// What parameters are in a scene that is derived once more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Again {
+    /// What they were.
+    Same,
+    /// Functions have derivatives by them.
+    Differentiated,
+    /// They are coordinates without motion.
+    Held,
+}
+
+impl Declared {
+    /// What follows from a text.
+    #[must_use]
+    pub const fn new(structure: &'static Structure, text: &'static str) -> Self {
+        Self {
+            structure,
+            text: Cow::Borrowed(text),
+            known: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// What was derived so, if it was.
+    pub(super) fn find(&self, again: Again, parameters: &[usize]) -> Option<Arc<Shared>> {
+        let known = self.known.lock().ok()?;
+        let mut known = known.iter();
+        let (_, _, shared) = known.find(|(kind, of, _)| *kind == again && of == parameters)?;
+        Some(Arc::clone(shared))
+    }
+
+    pub(super) fn keep(&self, again: Again, parameters: &[usize], derived: &Arc<Shared>) {
+        if let Ok(mut known) = self.known.lock() {
+            known.push((again, parameters.to_vec(), Arc::clone(derived)));
+        }
+    }
+}
 
 /// A scene from a text: a model like those that the compiler makes, with the same operations in the same order.
 ///
@@ -20,15 +67,15 @@ pub struct TextScene {
     /// What depends on these only, of all programs.
     folded: Vec<f64>,
     /// The experiment whose start it has, if it is in one.
-    experiment: Option<usize>,
+    pub(super) experiment: Option<usize>,
 }
 
-/// What copies share.
+/// What copies of a scene from a text share.
 #[derive(Debug)]
-pub(super) struct Shared {
+pub struct Shared {
     pub(super) declared: Declared,
     kernels: Vec<Program>,
-    tapes: Tapes,
+    tapes: HashMap<Explicit, Kernel>,
     warnings: String,
 }
 
@@ -38,7 +85,7 @@ impl TextScene {
     /// # Errors
     /// A kernel is too large.
     pub fn new(description: Description, text: &str, warnings: String) -> Result<Self, TooLarge> {
-        let tapes = Tapes::of(&description);
+        let tapes = description.explicit_functions().into_iter().collect();
         let mut kernels: Vec<Program> = Vec::with_capacity(description.kernels.len());
         let mut folded = 0;
         for kernel in &description.kernels {
@@ -55,7 +102,11 @@ impl TextScene {
         let numbers = parameters.map(|known| known.default);
         let numbers = numbers.chain(std::iter::repeat_n(1.0, rows)).collect();
         let shared = Shared {
-            declared: Declared::of_text(structure, text),
+            declared: Declared {
+                structure: Box::leak(Box::new(structure)),
+                text: Cow::Owned(text.to_owned()),
+                known: Mutex::default(),
+            },
             kernels,
             tapes,
             warnings,
@@ -106,22 +157,12 @@ impl TextScene {
             }
         }
     }
-}
 
-impl Scene for TextScene {
-    fn structure(&self) -> &'static Structure {
-        self.shared.declared.structure
-    }
-
-    fn declared(&self) -> &Declared {
-        &self.shared.declared
-    }
-
-    fn number(&self, index: usize) -> f64 {
+    pub(super) fn number(&self, index: usize) -> f64 {
         self.numbers.get(index).copied().unwrap_or(f64::NAN)
     }
 
-    fn set_number(&mut self, index: usize, value: f64) {
+    pub(super) fn set_number(&mut self, index: usize, value: f64) {
         if let Some(number) = self.numbers.get_mut(index) {
             *number = value;
             self.fold();
@@ -129,22 +170,25 @@ impl Scene for TextScene {
     }
 
     #[inline]
-    fn evaluate(&self, kernel: usize, x: &[f64], y: &[f64], out: &mut [f64]) {
+    pub(super) fn kernel(&self, kernel: usize, x: &[f64], y: &[f64], out: &mut [f64]) {
         let kernel = &self.shared.kernels[kernel];
         let folded = &self.folded[kernel.folded.clone()];
         run::lend(|registers| kernel.run(folded, x, y, out, registers));
     }
 
-    fn tape(&self, function: Explicit) -> Option<Tape<'_>> {
-        self.shared.tapes.get(function)
+    pub(super) fn tape(&self, function: Explicit) -> Option<Tape<'_>> {
+        let stored = self.shared.tapes.get(&function)?;
+        Some(Tape {
+            operations: &stored.operations,
+            outputs: &stored.outputs,
+        })
     }
 
-    fn experiment(&self) -> Option<usize> {
-        self.experiment
-    }
-
-    fn shared(&self) -> Option<Derived> {
-        let shared: Derived = Arc::<Shared>::clone(&self.shared);
-        Some(shared)
+    /// Does what needs all kernels.
+    pub(super) fn view<T>(&self, work: impl FnOnce(View<'_>) -> T) -> T {
+        work(View {
+            structure: self.shared.declared.structure,
+            evaluate: &|kernel, x, y, out| self.kernel(kernel, x, y, out),
+        })
     }
 }

@@ -10,7 +10,7 @@ use super::{
     struck_at_start,
 };
 use crate::joints::{JointError, Joints};
-use crate::model::{JointsDeclaration, Model, Pieces, contact_point, joint_rows};
+use crate::model::{Function, JointsDeclaration, Model, Pieces, contact_point, joint_rows};
 use crate::refusal;
 use crate::run::resets;
 
@@ -481,7 +481,7 @@ fn off(model: &dyn Model, from: &[f64], to: &[f64]) -> String {
     };
     let (from, to) = (at(from), at(to));
     let mut values = vec![0.0; 2 * rows];
-    model.joints(&from, &mut values);
+    model.values(Function::Joints, &from, &mut values);
     let mut words = Vec::new();
     for (row, (joint, own)) in declared.equations().enumerate() {
         for (positions, value) in [(true, values[row]), (false, values[rows + row])] {
@@ -517,7 +517,7 @@ fn drift(
     let mut left = None;
     for k in 0..run.trajectory.time.len() {
         input(model, run, k, &mut x);
-        model.joints(&x, &mut values);
+        model.values(Function::Joints, &x, &mut values);
         let largest = values.iter().fold(0.0_f64, |s, value| s.max(value.abs()));
         if largest.is_finite() {
             run.residuals.primal = run.residuals.primal.max(largest);

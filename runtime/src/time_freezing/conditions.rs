@@ -4,6 +4,7 @@ use super::laid_out::spans_of_elements;
 use super::names;
 use super::task::Guess;
 use super::transcription::{Transcription, Turn};
+use crate::model::Function;
 use crate::program::kernel::Kernel;
 
 /// Declares the pairs of all conditions: each is false or true in all of an element, and comes true where it was false and its function
@@ -94,7 +95,13 @@ pub(super) fn add_rows(
             }
         }
         let nothing = vec![None; 2 * model.declaration().contacts.len()];
-        program.block_behind(&Kernel::Impact, [&q, &v, &u], &nothing, [sets[0]], uses);
+        program.block_behind(
+            &Kernel::Whole(Function::Impact),
+            [&q, &v, &u],
+            &nothing,
+            [sets[0]],
+            uses,
+        );
     }
 }
 

@@ -1,6 +1,7 @@
 //! The event-driven simulator on random scenes: every run reaches its horizon, penetrates nothing, pulls
 //! nowhere and gains no energy.
 
+use crate::common::laws::RoughCrate;
 use crate::common::scenes;
 use crate::common::{check_energy, gap_at, same_in_every_run, start};
 use hangtime::model::Model;
@@ -80,7 +81,7 @@ proptest! {
         (along, up, spin) in (-4.0..4.0, -3.0..3.0, -3.0..3.0),
         tolerance in tolerances(),
     ) {
-        let model = scenes::crate_in_room(half_width, half_height, 1.0);
+        let model = RoughCrate { half_width, half_height, ..RoughCrate::default() };
         let problem = start(&[y, z, angle], &[along, up, spin], 2.0);
         let simulation = checked(&model, &problem, tolerance)?;
         check_energy(&model, &simulation, tolerance)?;

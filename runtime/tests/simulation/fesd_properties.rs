@@ -1,7 +1,7 @@
 //! Finite elements with switch detection on random scenes: every run reaches its horizon, penetrates no
 //! more than its tolerance explains, and gains no energy.
 
-use crate::common::laws::{Ground, rough_crate};
+use crate::common::laws::{Ground, RoughCrate};
 use crate::common::scenes;
 use crate::common::{check_energy, gap_at, same_in_every_run, start};
 use hangtime::model::Model;
@@ -103,7 +103,7 @@ proptest! {
         (along, up, spin) in (-4.0..4.0, -3.0..3.0, -3.0..3.0),
         settings in settings(),
     ) {
-        let model = scenes::crate_in_room(half_width, half_height, 1.0);
+        let model = RoughCrate { half_width, half_height, ..RoughCrate::default() };
         let problem = start(&[y, z, angle], &[along, up, spin], 2.0);
         let simulation = checked(&model, &problem, settings)?;
         check_complementarity(&simulation, 10.0)?;
@@ -137,7 +137,7 @@ proptest! {
         friction in prop::sample::select(vec![0.1, 0.3, 0.6]),
         settings in settings(),
     ) {
-        let model = rough_crate(half_width, half_height, friction);
+        let model = RoughCrate { half_width, half_height, mu: friction, ..RoughCrate::default() };
         let problem = start(&[y, z, angle], &[along, up, spin], 2.0);
         let simulation = checked(&model, &problem, settings)?;
         // A crate wedged between floor and wall presses with several times its weight.

@@ -3,7 +3,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step fails the test")]
 
-use crate::common::assembled::Assembled;
 use crate::common::laws::{Feet, Ground, Rod, Room};
 use crate::common::scenes;
 use crate::common::{distance, event, last, order, start};
@@ -13,6 +12,17 @@ use hangtime::simulation::{
     ControlSignal, EventKind, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
     StepFormulation,
 };
+
+hangtime::model! {
+    /// A mass that a spring holds, on a belt.
+    Belt {
+        parameters { m: kg = 1, g: m/s^2 = 9.81, k: N/m = 16, speed: m/s = 0.5 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z - k/2*y^2
+        surface ground: z >= 0
+        impact ground: inelastic, friction 0.4, sliding dot(y) - speed
+    }
+}
 
 hangtime::model! {
     /// A point mass on a disc of unit radius whose centre is `above` the floor.
@@ -140,10 +150,6 @@ fn inelastic() -> Vec<Case> {
         number: 3.0,
         ..rough(0.0)
     };
-    let belt = Ground {
-        stiffness: 16.0,
-        ..rough(0.4)
-    };
     let mut cases = vec![
         case(
             "ball with friction",
@@ -171,7 +177,7 @@ fn inelastic() -> Vec<Case> {
         ),
         case(
             "stick-slip",
-            Assembled::on_belt(&belt, 0.5),
+            Belt::default(),
             start(&[-0.1, 0.0], &[0.0; 2], 3.0),
         ),
         case(

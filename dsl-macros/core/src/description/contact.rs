@@ -18,8 +18,8 @@ pub struct Contact {
     pub reset: Option<usize>,
     /// Kernel of the gap.
     pub gap: usize,
-    /// Kernel of what is known at a point, as far as it is formulas, and the number of its values.
-    pub point: (usize, usize),
+    /// Kernel of what is known at a point, as far as it is formulas.
+    pub point: usize,
     /// Whether the inverse inertia along the normal comes from the system of motion.
     pub inertia_from_motion: bool,
     /// The rows gap, normal velocity and direction, with their derivatives; of dry friction the given normal acceleration
@@ -40,12 +40,12 @@ pub struct Friction {
     pub kinetic: Option<usize>,
     /// Kernel of the factor that the direction carries, if it carries one.
     pub share: Option<usize>,
-    /// Kernel of what is known at a point, as far as it is formulas, and the number of its values.
-    pub tangent: (usize, usize),
+    /// Kernel of what is known at a point, as far as it is formulas.
+    pub tangent: usize,
     /// The rows sliding velocity and direction, with their derivatives.
     pub rows: Rows,
-    /// In space the same of the second sliding velocity: kernel of what is known at a point with the number of its values, and rows.
-    pub across: Option<((usize, usize), Rows)>,
+    /// In space the same of the second sliding velocity: kernel of what is known at a point, and rows.
+    pub across: Option<(usize, Rows)>,
 }
 
 /// Derivatives of some rows: those that are formulas, followed by the solution of a linear system if there is one.
@@ -179,13 +179,13 @@ pub(super) fn restitution(
     Some(builder.unlisted(&format!("restitution_{name}"), &[value]))
 }
 
-/// The kernel of what is known at a point, as far as it is formulas, and the number of its values.
+/// The kernel of what is known at a point, as far as it is formulas.
 fn point(
     builder: &mut Builder<'_>,
     name: &str,
     declared: &scene::Contact,
     contact: &ContactEquations,
-) -> (usize, usize) {
+) -> usize {
     let rows = &contact.rows;
     let dry = declared.bound.is_some();
     let normal_velocity = if dry { Sym::ZERO } else { rows.values[1] };
@@ -196,8 +196,7 @@ fn point(
     });
     point.extend(&contact.normal);
     point.extend(&rows.values[2..]);
-    let kernel = builder.kernel(&format!("contact_{name}"), &point);
-    (kernel, point.len())
+    builder.kernel(&format!("contact_{name}"), &point)
 }
 
 fn reset(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Option<usize> {
@@ -245,8 +244,8 @@ fn friction(
     (declaration, kernels)
 }
 
-/// Kernel and number of what is known at a point, rows, and the patterns of their Jacobian and Hessian.
-type Side = ((usize, usize), Rows, [SparsityPattern; 2]);
+/// Kernel of what is known at a point, rows, and the patterns of their Jacobian and Hessian.
+type Side = (usize, Rows, [SparsityPattern; 2]);
 
 /// The kernels of a tangential side, which are called `what`.
 fn side(builder: &mut Builder<'_>, name: &str, what: &str, friction: &FrictionEquations) -> Side {
@@ -263,7 +262,7 @@ fn side(builder: &mut Builder<'_>, name: &str, what: &str, friction: &FrictionEq
     let solved = friction.direction.as_ref();
     let solved = solved.map(|solved| (format!("{direction}_{name}"), solved));
     let (rows, patterns) = all_rows(builder, &kernel, rows, solved);
-    ((tangent, point.len()), rows, patterns)
+    (tangent, rows, patterns)
 }
 
 /// Rows that are formulas, followed by the solution of a linear system with this name if there is one, and the patterns of their

@@ -31,9 +31,8 @@ fn renamed(
     names: &Names,
 ) -> (ContactDeclaration, Contact) {
     let name = &called(builder, declared);
-    let (point, values) = kernels.point;
     let gap = builder.like(kernels.gap, &format!("gap_{name}"), (names, 0));
-    let point = builder.like_vectors(point, &format!("contact_{name}"), 4, names);
+    let point = builder.like_vectors(kernels.point, &format!("contact_{name}"), 4, names);
     let rows = rows(
         builder,
         &format!("contact_{{}}_{name}"),
@@ -46,7 +45,7 @@ fn renamed(
         both.map(|(declared, kernels)| friction(builder, name, declared, (kernels, names)));
     let contact = Contact {
         gap,
-        point: (point, values),
+        point,
         rows,
         restitution,
         friction,
@@ -71,10 +70,10 @@ fn friction(
     declared: &scene::Friction,
     (kernels, names): (Friction, &Names),
 ) -> Friction {
-    let mut side = |what: &str, (point, values): (usize, usize), given: Rows| {
+    let mut side = |what: &str, point: usize, given: Rows| {
         let point = builder.like_vectors(point, &format!("{what}_{name}"), 2, names);
         let rows = rows(builder, &format!("{what}_{{}}_{name}"), given, (names, 1));
-        ((point, values), rows)
+        (point, rows)
     };
     let across = kernels.across;
     let across = across.map(|(point, rows)| side("across", point, rows));

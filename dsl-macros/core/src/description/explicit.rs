@@ -4,7 +4,7 @@ use super::contact::Contact;
 use super::kernel::Kernel;
 
 /// What an explicit function is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ExplicitFunction {
     /// The gap of a surface.
     Gap(usize),
@@ -32,15 +32,15 @@ pub(super) fn of_contact(
         functions.push((ExplicitFunction::Gap(i), gap));
     }
     // The inverse inertia stands before the normal.
-    let normal = kernels[contact.point.0].part([1, 2].into_iter().chain(4..4 + n));
+    let normal = kernels[contact.point].part([1, 2].into_iter().chain(4..4 + n));
     functions.push((ExplicitFunction::Normal(i), normal));
     if let Some(friction) = &contact.friction {
         let side = |kernel: usize| kernels[kernel].part(0..2 + n);
-        functions.push((ExplicitFunction::Tangent(i), side(friction.tangent.0)));
+        functions.push((ExplicitFunction::Tangent(i), side(friction.tangent)));
         if let Some(share) = friction.share {
             functions.push((ExplicitFunction::Share(i), kernels[share].clone()));
         }
-        if let Some(((across, _), _)) = friction.across {
+        if let Some((across, _)) = friction.across {
             functions.push((ExplicitFunction::Across(i), side(across)));
         }
     }

@@ -8,12 +8,8 @@ use crate::derive::JointEquations;
 /// Kernels of all joints of a scene, by their index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joints {
-    /// Kernel of the positions of all equations, 0 of those of velocities, and then of their velocities.
-    pub values: usize,
-    /// Kernel of their Jacobian by the inputs.
-    pub jacobian: usize,
-    /// Kernel of the Hessian (lower triangle) of the values weighted by multipliers.
-    pub hessian: usize,
+    /// Kernels of values, Jacobian and weighted Hessian of the positions of all equations, 0 of those of velocities, and then their velocities.
+    pub functions: (usize, usize, usize),
     /// Kernel of the forces of all equations without those of contacts; without one, they are the rest of the solution of the
     /// system of motion, with the other sign.
     pub forces: Option<usize>,
@@ -36,9 +32,11 @@ pub(super) fn joints(
     };
     let forces = derived.forces.as_ref();
     let kernels = Joints {
-        values: builder.kernel("joints", &derived.values),
-        jacobian: builder.kernel("joints_jacobian", &derived.jacobian.values),
-        hessian: builder.kernel("joints_hessian", &derived.hessian.values),
+        functions: (
+            builder.kernel("joints", &derived.values),
+            builder.kernel("joints_jacobian", &derived.jacobian.values),
+            builder.kernel("joints_hessian", &derived.hessian.values),
+        ),
         forces: forces.map(|forces| builder.kernel("joint_forces", forces)),
     };
     (declared, kernels)

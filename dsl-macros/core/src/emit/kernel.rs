@@ -301,7 +301,7 @@ pub(super) fn written(description: &Description, profile: Profile) -> String {
     let mut known = profiles(description).into_iter();
     let place = known.position(|known| known.name() == profile.name());
     let (place, order) = (place.unwrap_or_default(), profile.order());
-    format!("::hangtime::model::tape::Profile::of(&__PROFILES[{place}], {order})")
+    format!("::hangtime::scene::tape::Profile::of(&__PROFILES[{place}], {order})")
 }
 
 /// Writes the points' polynomials as a static array, if there are any.
@@ -310,12 +310,12 @@ fn write_profiles(description: &Description, code: &mut String) {
     if profiles.is_empty() {
         return;
     }
-    code.push_str("static __PROFILES: &[::hangtime::model::tape::Spline] = &[");
+    code.push_str("static __PROFILES: &[::hangtime::scene::tape::Spline] = &[");
     for (number, profile) in profiles.into_iter().enumerate() {
         let name = profile.name();
         let _ = write!(
             code,
-            "::hangtime::model::tape::Spline::new({number}, {name:?}, &["
+            "::hangtime::scene::tape::Spline::new({number}, {name:?}, &["
         );
         for (from, coefficients) in profile.pieces() {
             let coefficients = coefficients.map(literal).join(", ");

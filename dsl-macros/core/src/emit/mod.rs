@@ -59,14 +59,15 @@ fn numbers(scene: &CheckedScene, derived: &Description, text: &str, code: &mut S
     let _ = write!(
         code,
         "static __SCENE: ::hangtime::scene::Declared = ::hangtime::scene::Declared::new(&__STRUCTURE, {text:?});
-        #[automatically_derived] impl ::hangtime::scene::Scene for {name} {{
+        #[automatically_derived] impl ::hangtime::scene::Model for {name} {{
             fn structure(&self) -> &'static ::hangtime::scene::data::Structure {{ &__STRUCTURE }}
             fn declared(&self) -> &::hangtime::scene::Declared {{ &__SCENE }}
             fn number(&self, __index: __usize) -> __f64 {{ match __index {{ {read} _ => __f64::NAN }} }}
             fn set_number(&mut self, __index: __usize, __value: __f64) {{ match __index {{ {write} _ => {{}} }} }}
-            fn evaluate(&self, __kernel: __usize, __x: &[__f64], __y: &[__f64], __out: &mut [__f64]) {{
+            fn kernel(&self, __kernel: __usize, __x: &[__f64], __y: &[__f64], __out: &mut [__f64]) {{
                 __KERNELS[__kernel](self, __x, __y, __out)
             }}
+            fn boxed(&self) -> ::std::boxed::Box<dyn ::hangtime::scene::Model> {{ ::std::boxed::Box::new(::core::clone::Clone::clone(self)) }}
         {}
          }}",
         tapes::method(derived)

@@ -84,13 +84,18 @@ pub(crate) fn stub(visibility: &TokenStream, name: &Name, parameters: &[Name]) -
         quote!(declared(&self) -> &::hangtime::scene::Declared),
         quote!(number(&self, _: ::core::primitive::usize) -> ::core::primitive::f64),
         quote!(set_number(&mut self, _: ::core::primitive::usize, _: ::core::primitive::f64)),
-        quote!(evaluate(
+        quote!(kernel(
             &self,
             _: ::core::primitive::usize,
             _: &[::core::primitive::f64],
             _: &[::core::primitive::f64],
             _: &mut [::core::primitive::f64],
         )),
+        quote!(tape(
+            &self,
+            _: ::hangtime::scene::tape::Explicit,
+        ) -> ::core::option::Option<::hangtime::scene::tape::Tape<'_>>),
+        quote!(boxed(&self) -> ::std::boxed::Box<dyn ::hangtime::scene::Model>),
     ]
     .map(|signature| quote!(fn #signature { ::core::panic!("this scene has mistakes") }));
     let fields = parameters.iter().map(Name::rust_ident);
@@ -105,7 +110,7 @@ pub(crate) fn stub(visibility: &TokenStream, name: &Name, parameters: &[Name]) -
         #[allow(missing_docs, dead_code, non_snake_case)]
         impl #name { #(#setters)* }
         #[automatically_derived]
-        impl ::hangtime::scene::Scene for #name {
+        impl ::hangtime::scene::Model for #name {
             #(#methods)*
         }
     }

@@ -4,7 +4,7 @@ use super::kernel::{literal, written};
 use crate::description::{Description, ExplicitFunction, Function, Kernel, Operation, Source};
 use std::fmt::Write;
 
-const TAPE: &str = "::hangtime::model::tape";
+const TAPE: &str = "::hangtime::scene::tape";
 
 /// The method of the model trait that gives them, with their operations as static data.
 pub(super) fn method(description: &Description) -> String {

@@ -1,6 +1,7 @@
 //! The Newton matrix of an element.
 
 use super::{FiniteElement, numerical_time};
+use crate::model::Function;
 
 /// Products of rows with the directions of all position corrections, of which each has few components that
 /// are not zero.
@@ -157,7 +158,9 @@ pub(super) fn evaluate_stage_jacobian(element: &mut FiniteElement<'_>, m: usize)
     let x = &element.inputs_of_stages[m * element.inputs..(m + 1) * element.inputs];
     element.by_q.fill(0.0);
     element.by_v.fill(0.0);
-    element.model.free_jacobian(x, &mut element.free_jacobian);
+    element
+        .model
+        .jacobian(Function::Motion, x, &mut element.free_jacobian);
     for (&(row, column), value) in declaration
         .free_jacobian
         .entries

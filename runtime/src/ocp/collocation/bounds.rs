@@ -1,8 +1,8 @@
 //! Bounds of coordinates and path constraints of a scene, as functions that must not be below zero.
 
 use super::discretization::Setting;
-use crate::model::Model;
 use crate::model::held::complete_largest;
+use crate::model::{Function, Model};
 
 /// A bound and its function.
 pub(in crate::ocp) struct Bound {
@@ -61,7 +61,7 @@ impl<'a> Bounds<'a> {
         let mut functions = vec![0.0; declared.map_or(0, |declared| declared.path_functions())];
         if functions.len() > self.first {
             complete_largest(self.model, &mut x);
-            self.model.path_functions(&x, &mut functions);
+            self.model.values(Function::Path, &x, &mut functions);
         }
         let value = |bound: &Bound| match bound.kind {
             BoundKind::Coordinate(k, (lower, upper)) => (x[k] - lower).min(upper - x[k]),

@@ -7,7 +7,9 @@ use super::layout::{Distance, FREE, Kept};
 use super::turns::Turns;
 use super::{friction_rows, provided};
 use crate::model::held::is_held;
-use crate::model::{ContactDeclaration, Model, contact_point, switching_terms, tangent_point};
+use crate::model::{
+    ContactDeclaration, Function, Model, contact_point, switching_terms, tangent_point,
+};
 use crate::ocp::motion::mode::sets;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
@@ -126,7 +128,7 @@ fn set_from(builder: &mut Builder, contact: usize, before: &[usize]) {
     let terms = declared.contacts;
     let x = guessed(builder, before, declaration.impact_inputs());
     let mut values = vec![0.0; terms.impact_functions()];
-    model.impact_functions(&x, &mut values);
+    model.values(Function::Impact, &x, &mut values);
     let mut uses = Vec::new();
     for (index, &(of, velocity)) in terms.resets.iter().enumerate() {
         if of != contact {
@@ -148,9 +150,13 @@ fn set_from(builder: &mut Builder, contact: usize, before: &[usize]) {
     let (q, v) = before.split_at(n);
     let nothing = vec![None; 2 * declaration.contacts.len()];
     let inputs = [q, v, &builder.before[..]];
-    builder
-        .program
-        .block_behind(&Kernel::Impact, inputs, &nothing, None, uses);
+    builder.program.block_behind(
+        &Kernel::Whole(Function::Impact),
+        inputs,
+        &nothing,
+        None,
+        uses,
+    );
 }
 
 /// Sets the modes after a switch.

@@ -9,7 +9,7 @@
 use super::builder::Builder;
 use super::discretization::Setting;
 use super::layout::{FREE, Phase, Tangential};
-use crate::model::{ContactTerms, Declaration, Model, SparsityPattern};
+use crate::model::{ContactTerms, Declaration, Function, Model, SparsityPattern};
 use crate::ocp::program::frame::{Sum, condition};
 use crate::ocp::program::units::Units;
 use crate::program::kernel::Kernel;
@@ -41,7 +41,7 @@ fn sizes_of_sums(model: &dyn Model, units: &Units, start: &[f64]) -> Vec<f64> {
         .collect();
     x.extend([&velocities[..], &velocities].concat());
     let mut values = vec![0.0; terms.impact_functions()];
-    model.impact_functions(&x, &mut values);
+    model.values(Function::Impact, &x, &mut values);
     let sizes = values[..terms.sums].iter();
     sizes
         .map(|size| nearest_power(THOUSAND, size.abs()))
@@ -266,6 +266,12 @@ pub(super) fn in_impact(
     }
     if !uses.is_empty() {
         let (q, drive) = (&builder.state[..builder.n], &builder.before[..]);
-        program.block_behind(&Kernel::Impact, [q, &[], drive], &provided, None, uses);
+        program.block_behind(
+            &Kernel::Whole(Function::Impact),
+            [q, &[], drive],
+            &provided,
+            None,
+            uses,
+        );
     }
 }

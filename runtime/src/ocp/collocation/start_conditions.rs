@@ -5,7 +5,7 @@ use super::discretization::Setting;
 use super::layout::Phase;
 use super::provided;
 use crate::model::held::{first_at_stages, is_held, moving};
-use crate::model::{Given, contact_point};
+use crate::model::{Function, Given, contact_point};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::mode::{sliding_velocity, zero_velocity};
 use crate::ocp::problem::has_free_start;
@@ -131,7 +131,7 @@ fn follows_from_parameters(builder: &Builder, contact: usize, row: u32) -> bool 
     input.resize(model.declaration().inputs(), 0.0);
     let pattern = model.declaration().contacts[contact].jacobian.entries;
     let mut slopes = vec![0.0; pattern.len()];
-    model.contact_jacobian(contact, &input, &mut slopes);
+    model.jacobian(Function::Contact(contact), &input, &mut slopes);
     let own = pattern
         .iter()
         .zip(slopes)
@@ -144,7 +144,7 @@ fn follows_from_parameters(builder: &Builder, contact: usize, row: u32) -> bool 
         return false;
     }
     let mut given = vec![0.0; held.jacobian.entries.len()];
-    model.given_jacobian(&input, &mut given);
+    model.jacobian(Function::Given, &input, &mut given);
     (moving(model)..n).all(|parameter| {
         let (mut total, mut size) = (0.0, 0.0_f64);
         let mut add = |term: f64| {

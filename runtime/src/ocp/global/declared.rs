@@ -25,7 +25,7 @@ use std::ops::Range;
 use hangtime_solver::nlp::NlpProblem as _;
 
 use crate::model::held::first_of_stages;
-use crate::model::{ContactTerms, OptimalControlDeclaration};
+use crate::model::{ContactTerms, Function, OptimalControlDeclaration};
 use crate::ocp::collocation::provided::read;
 use crate::ocp::program::frame::{Frame, Provided, Sum, condition};
 use crate::program::kernel::Kernel;
@@ -289,7 +289,13 @@ fn add_impact(
         let last = transcription.block_before(elements.end);
         let [q, v, u] = transcription.inputs(last);
         let program = &mut transcription.program;
-        program.block_behind(&Kernel::Impact, [&q, &v, &u], &provided, None, uses);
+        program.block_behind(
+            &Kernel::Whole(Function::Impact),
+            [&q, &v, &u],
+            &provided,
+            None,
+            uses,
+        );
     }
 }
 

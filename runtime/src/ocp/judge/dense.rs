@@ -3,8 +3,8 @@
 //! Between two breaks, which are events and ends of control intervals, coordinates are the polynomials of degree five through `(q, v)` at
 //! three neighbouring instants, and velocities their derivatives; only a piece with fewer than three instants has cubics.
 
-use crate::model::Model;
 use crate::model::held::complete_largest;
+use crate::model::{Function, Model};
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::model_input::drive;
 use crate::simulation::Simulation;
@@ -130,7 +130,7 @@ impl<'a> Dense<'a> {
     pub(super) fn path_functions(&self, x: &[f64]) -> Vec<f64> {
         let declared = self.model.declaration().optimal_control;
         let mut values = vec![0.0; declared.map_or(0, |declared| declared.path_functions())];
-        self.model.path_functions(x, &mut values);
+        self.model.values(Function::Path, x, &mut values);
         values
     }
 

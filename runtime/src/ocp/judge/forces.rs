@@ -5,7 +5,7 @@
 
 use super::at_bounds::add;
 use crate::model::held::complete_largest;
-use crate::model::{ConstraintDeclaration, Model, contact_point};
+use crate::model::{ConstraintDeclaration, Function, Model, contact_point};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::solution::Excess;
@@ -92,7 +92,7 @@ pub(super) fn other_cost(setting: Setting, planned: f64, replay: &Simulation) ->
         let times = &replay.trajectory.time;
         let mut values = vec![0.0; declared.path_functions()];
         let mut rate = |k: usize| {
-            model.path_functions(&path_input(model, replay, k), &mut values);
+            model.values(Function::Path, &path_input(model, replay, k), &mut values);
             values[0]
         };
         let mut before = rate(0);
@@ -106,7 +106,11 @@ pub(super) fn other_cost(setting: Setting, planned: f64, replay: &Simulation) ->
     if declared.final_cost {
         let (sums, _) = in_impacts(model, replay);
         let mut values = vec![0.0; declared.terminal_functions()];
-        model.terminal_functions(&end_input(model, replay, &sums)?, &mut values);
+        model.values(
+            Function::Terminal,
+            &end_input(model, replay, &sums)?,
+            &mut values,
+        );
         cost += values[0];
         size += values[0].abs();
     }
@@ -221,9 +225,9 @@ fn along(model: &dyn Model, replay: &Simulation) -> Vec<Looked> {
     ];
     for k in 0..=last(replay) {
         let mut x = path_input(model, replay, k);
-        model.path_functions(&x, &mut values[0]);
+        model.values(Function::Path, &x, &mut values[0]);
         x[plain..].fill(0.0);
-        model.path_functions(&x, &mut values[1]);
+        model.values(Function::Path, &x, &mut values[1]);
         for (i, looked) in &mut conditions {
             let time = replay.trajectory.time[k];
             looked.at(time, values[0][first + *i], values[1][first + *i]);
@@ -254,9 +258,9 @@ fn in_impacts(model: &dyn Model, replay: &Simulation) -> (Vec<f64>, Vec<Looked>)
         let plain = x.len();
         let impulses = provided(model, &x, &impulses);
         x.extend(&impulses);
-        model.impact_functions(&x, &mut values);
+        model.values(Function::Impact, &x, &mut values);
         x[plain..].fill(0.0);
-        model.impact_functions(&x, &mut without);
+        model.values(Function::Impact, &x, &mut without);
         let added = values.iter().zip(&without);
         let summed = sums.iter_mut().zip(added);
         summed.for_each(|(sum, (with, without))| *sum += with - without);
@@ -291,10 +295,10 @@ fn at_the_end(model: &dyn Model, replay: &Simulation, sums: &[f64]) -> Vec<Looke
     let mut conditions = chosen(declared.goals, |i| pattern.reads(first + i, plain));
     let mut values = vec![0.0; declared.terminal_functions()];
     let mut without = values.clone();
-    model.terminal_functions(&z, &mut values);
+    model.values(Function::Terminal, &z, &mut values);
     let time = z[plain - 1];
     z[plain..].fill(0.0);
-    model.terminal_functions(&z, &mut without);
+    model.values(Function::Terminal, &z, &mut without);
     for (i, looked) in &mut conditions {
         looked.at(time, values[first + *i], without[first + *i]);
     }

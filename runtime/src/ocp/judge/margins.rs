@@ -2,7 +2,7 @@
 
 use hangtime_solver::nlp;
 
-use crate::model::contact_point;
+use crate::model::{Function, contact_point};
 use crate::ocp::collocation::layout::{Kept, Phase};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::motion::targets::goals_hold;
@@ -82,7 +82,7 @@ fn is_asked_for(program: &Collocation, x: &[f64], kept: &Kept) -> bool {
     let mut slopes = vec![0.0; pattern.len()];
     program
         .model
-        .contact_jacobian(*contact, &input, &mut slopes);
+        .jacobian(Function::Contact(*contact), &input, &mut slopes);
     let mut gradient = vec![0.0; stage.state.len()];
     for (&(output, column), slope) in pattern.iter().zip(&slopes) {
         let (output, column) = (output as usize, column as usize);

@@ -6,7 +6,7 @@
 //! the plan.
 
 use super::dense::Dense;
-use crate::model::Model;
+use crate::model::{Function, Model};
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::simulation::Simulation;
 
@@ -68,7 +68,7 @@ pub(super) fn replayed(
         let mut z = [&q[..], v, &[time]].concat();
         z.resize(declaration.terminal_inputs(), 0.0);
         let mut values = vec![0.0; declared.terminal_functions()];
-        model.terminal_functions(&z, &mut values);
+        model.values(Function::Terminal, &z, &mut values);
         cost += values[0];
         size += values[0].abs();
     }

@@ -1,6 +1,6 @@
 //! Where the goals ask the motion to end, and how long that may take.
 
-use crate::model::{Model, OptimalControlDeclaration};
+use crate::model::{Function, Model, OptimalControlDeclaration};
 use crate::ocp::problem::{Horizon, Problem, bounds};
 
 /// Singular values below this are zero in the search for a state that fulfils the goals.
@@ -68,7 +68,7 @@ pub(in crate::ocp) fn goal_values(model: &dyn Model, z: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; declared.terminal_functions()];
         let mut z = z.to_vec();
         z.resize(model.declaration().terminal_inputs(), 0.0);
-        model.terminal_functions(&z, &mut all);
+        model.values(Function::Terminal, &z, &mut all);
         let own = &all[usize::from(declared.final_cost)..];
         let goals = declared.goals.iter().zip(own);
         values
@@ -87,7 +87,7 @@ pub(in crate::ocp) fn goals_hold(model: &dyn Model, z: &[f64], gradient: &[f64])
     z.resize(model.declaration().terminal_inputs(), 0.0);
     let pattern = declared.terminal_jacobian.entries;
     let mut slopes = vec![0.0; pattern.len()];
-    model.terminal_jacobian(&z, &mut slopes);
+    model.jacobian(Function::Terminal, &z, &mut slopes);
     let first = usize::from(declared.final_cost);
     let mut gradients = nalgebra::DMatrix::zeros(gradient.len(), declared.goals.len());
     for (&(row, column), slope) in pattern.iter().zip(&slopes) {
@@ -118,8 +118,8 @@ fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f6
     let mut values = vec![0.0; declared.terminal_functions()];
     let mut slopes = vec![0.0; pattern.len()];
     for _ in 0..STEPS {
-        model.terminal_functions(z, &mut values);
-        model.terminal_jacobian(z, &mut slopes);
+        model.values(Function::Terminal, z, &mut values);
+        model.jacobian(Function::Terminal, z, &mut slopes);
         let residuals = declared.goals.iter().zip(&values[first..]);
         let residuals =
             residuals.map(|(goal, &value)| if goal.equality { value } else { value.min(0.0) });

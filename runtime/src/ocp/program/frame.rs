@@ -2,7 +2,7 @@
 
 use super::units::Units;
 use super::{given, start_joints};
-use crate::model::{ConstraintDeclaration, ContactDeclaration, Model};
+use crate::model::{ConstraintDeclaration, ContactDeclaration, Function, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
@@ -119,7 +119,13 @@ impl<'a> Frame<'a> {
         if declared.is_some_and(|d| d.running_cost) {
             let behind = provided.behind(declared.is_some_and(|d| d.contacts.path));
             let uses = vec![(OBJECTIVE, 0, factor)];
-            program.block_behind(&Kernel::Path, [q, v, u], behind, scale, uses);
+            program.block_behind(
+                &Kernel::Whole(Function::Path),
+                [q, v, u],
+                behind,
+                scale,
+                uses,
+            );
         }
     }
 
@@ -167,7 +173,7 @@ impl<'a> Frame<'a> {
             .collect();
         if !uses.is_empty() {
             let behind = provided.behind(declared.contacts.path);
-            program.block_behind(&Kernel::Path, inputs, behind, None, uses);
+            program.block_behind(&Kernel::Whole(Function::Path), inputs, behind, None, uses);
         }
     }
 
@@ -211,7 +217,13 @@ impl<'a> Frame<'a> {
                 behind.resize(self.sums.len() + forces, None);
             }
             let inputs = [q, v, &[self.horizon]];
-            program.block_behind(&Kernel::Terminal, inputs, &behind, None, uses);
+            program.block_behind(
+                &Kernel::Whole(Function::Terminal),
+                inputs,
+                &behind,
+                None,
+                uses,
+            );
         }
         missed
     }
@@ -228,7 +240,7 @@ impl<'a> Frame<'a> {
         z.resize(declaration.terminal_inputs(), 0.0);
         let entries = declared.terminal_jacobian.entries;
         let mut slopes = vec![0.0; entries.len()];
-        self.model.terminal_jacobian(&z, &mut slopes);
+        self.model.jacobian(Function::Terminal, &z, &mut slopes);
         let mut sizes = vec![0.0_f64; declared.terminal_functions()];
         for (&(row, column), slope) in entries.iter().zip(slopes) {
             // Forces and impulses are left out: these are in units of their own.

@@ -1,7 +1,7 @@
 //! What parameters that are unknowns decide of a motion: parts of its start, its length, and the laws of contacts.
 
 use super::units::Units;
-use crate::model::{Given, Model, held};
+use crate::model::{Function, Given, Model, held};
 use crate::ocp::problem::Problem;
 use crate::program::kernel::Kernel;
 use crate::program::laws::Laws;
@@ -72,6 +72,11 @@ pub(in crate::ocp) fn add(
         uses.push((row, index, -1.0));
     }
     let (q, v) = start.split_at(start.len() / 2);
-    program.block(&Kernel::Given, [q, v, &[], &[]], None, uses);
+    program.block(
+        &Kernel::Whole(Function::Given),
+        [q, v, &[], &[]],
+        None,
+        uses,
+    );
     program.set_laws(laws);
 }

@@ -3,7 +3,7 @@
 
 use crate::joints::partition::{Jacobian, NOTHING, eliminate};
 use crate::model::held::is_held;
-use crate::model::{Given, Model};
+use crate::model::{Function, Given, Model};
 use crate::ocp::problem::Problem;
 use crate::program::joint_rows::{add, named};
 use crate::program::sparse_program::Program;
@@ -98,7 +98,7 @@ fn given_rows(
     let mut x = start.to_vec();
     x.resize(model.declaration().inputs(), 0.0);
     let mut values = vec![0.0; held.jacobian.entries.len()];
-    model.given_jacobian(&x, &mut values);
+    model.jacobian(Function::Given, &x, &mut values);
     let decided = held.given.iter().enumerate();
     let rows = decided.filter_map(|(index, given)| {
         let Given::Start(k) = *given else { return None };

@@ -1,7 +1,7 @@
 //! Simulated motions, and where one of them may end: what it came through up to there, what it misses and what it costs.
 
 use super::replay::parts;
-use crate::model::{Model, OptimalControlDeclaration, held};
+use crate::model::{Function, Model, OptimalControlDeclaration, held};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::drive;
@@ -168,7 +168,7 @@ impl Way {
         input.extend(drive(model, controls, time));
         input.resize(model.declaration().path_inputs(), 0.0);
         held::complete_largest(model, &mut input);
-        model.path_functions(&input, &mut values);
+        model.values(Function::Path, &input, &mut values);
         let own = &values[usize::from(declared.running_cost)..];
         let constraints = declared.constraints.iter().zip(own);
         let constraints = constraints.map(|(constraint, &value)| {
@@ -199,7 +199,7 @@ fn final_cost(setting: Setting, declared: &OptimalControlDeclaration, z: &[f64])
     let mut all = vec![0.0; declared.terminal_functions()];
     let mut z = z.to_vec();
     z.resize(setting.model.declaration().terminal_inputs(), 0.0);
-    setting.model.terminal_functions(&z, &mut all);
+    setting.model.values(Function::Terminal, &z, &mut all);
     all[0]
 }
 

@@ -9,7 +9,7 @@
 //! they need a `y'g` of at least 0. The weights are the residuals at the nearest point that can be reached, by the method of Frank and Wolfe
 //! (Gilbert 1966).
 
-use crate::model::Model;
+use crate::model::{Function, Model};
 use crate::ocp::collocation::discretization::parabolas;
 use crate::ocp::problem::{Horizon, Problem, bounds};
 use crate::ocp::tuning::equal::ROUNDING;
@@ -73,8 +73,8 @@ fn is_out_of_bounds(model: &dyn Model, problem: &Problem) -> bool {
     z.resize(declaration.terminal_inputs().max(2 * n + 1), 0.0);
     let mut values = vec![0.0; declared.terminal_functions()];
     let mut slopes = vec![0.0; declared.terminal_jacobian.entries.len()];
-    model.terminal_functions(&z, &mut values);
-    model.terminal_jacobian(&z, &mut slopes);
+    model.values(Function::Terminal, &z, &mut values);
+    model.jacobian(Function::Terminal, &z, &mut slopes);
     let first = usize::from(declared.final_cost);
     let entries = declared.terminal_jacobian.entries.iter().zip(&slopes);
     declared.goals.iter().enumerate().any(|(goal, known)| {
@@ -136,10 +136,10 @@ impl Goals {
         z.resize(declaration.terminal_inputs(), 0.0);
         let first = usize::from(declared.final_cost);
         let mut values = vec![0.0; declared.terminal_functions()];
-        model.terminal_functions(&z, &mut values);
+        model.values(Function::Terminal, &z, &mut values);
         let entries = declared.terminal_jacobian.entries;
         let mut all = vec![0.0; entries.len()];
-        model.terminal_jacobian(&z, &mut all);
+        model.jacobian(Function::Terminal, &z, &mut all);
         let mut slopes = vec![vec![0.0; 2 * n]; declared.goals.len()];
         for (&(row, column), &slope) in entries.iter().zip(&all) {
             let Some(goal) = (row as usize).checked_sub(first) else {

@@ -45,7 +45,7 @@ pub fn solve(
     settings.check()?;
     match with_unknowns(model, problem, settings)? {
         Some(unknown) => {
-            let solution = solve_given(&*unknown.model, &unknown.problem, settings, observer)?;
+            let solution = solve_given(&unknown.model, &unknown.problem, settings, observer)?;
             Ok(unknown.of_scene(solution))
         }
         None => solve_given(model, problem, settings, observer),

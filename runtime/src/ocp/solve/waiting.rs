@@ -7,7 +7,7 @@
 
 use super::searched::searched;
 use crate::Observer;
-use crate::model::Model;
+use crate::model::{Function, Model};
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::problem::{Horizon, Problem, bounds, has_free_start};
 use crate::ocp::settings::{Formulation, Guess, Settings};
@@ -233,7 +233,7 @@ fn rests(model: &dyn Model, problem: &Problem, state: &[f64]) -> bool {
     let mut input = [state, &controls].concat();
     input.resize(declaration.path_inputs(), 0.0);
     let mut values = vec![0.0; declared.path_functions()];
-    model.path_functions(&input, &mut values);
+    model.values(Function::Path, &input, &mut values);
     let first = usize::from(declared.running_cost);
     let free = !declared.running_cost || values[0].abs() <= f64::EPSILON;
     let kept = declared.constraints.iter().zip(&values[first..]);

@@ -1,9 +1,5 @@
 //! Scenes whose contacts bounce, stick and slip. `e` is the coefficient of restitution, `mu` that of friction.
 
-use super::assembled::Assembled;
-use super::scenes::CORNERS;
-use hangtime::model::Model;
-
 hangtime::model! {
     /// A point mass that a spring holds and a control pushes along `y`, on the side of the ground where gravity does not
     /// pull it: a plane that falls by `slope` for growing `y`, with waves and a bowl on it. The gap is `scale` times
@@ -121,35 +117,35 @@ hangtime::model! {
 }
 
 hangtime::model! {
-    /// One corner of a rectangular crate of unit mass, against floor, left wall and right wall, all with friction.
-    pub(crate) RoughCorner {
+    /// A crate of unit mass with friction at each of its four corners against floor and walls.
+    pub(crate) RoughCrate {
         parameters {
-            m: kg = 1, g: m/s^2 = 9.81, half_width: m = 0.3, half_height: m = 0.2, half_room: m = 1,
-            across: m = -0.3, up: m = -0.2, mu = 0,
+            m: kg = 1, g: m/s^2 = 9.81, half_width: m = 0.3, half_height: m = 0.2, half_room: m = 1, mu = 0,
         }
         coordinates { y: m, z: m, angle }
-        let corner = (y + cos(angle)*across - sin(angle)*up, z + sin(angle)*across + cos(angle)*up)
+        fn corner_y(side, end) = y + cos(angle)*side*half_width - sin(angle)*end*half_height
+        fn corner_z(side, end) = z + sin(angle)*side*half_width + cos(angle)*end*half_height
         lagrangian m/2*|dot((y, z))|^2 + m*(half_width^2 + half_height^2)/6*dot(angle)^2 - m*g*z
-        surface floor: corner.z >= 0
-        surface left: corner.y >= -half_room
-        surface right: corner.y <= half_room
-        impact floor: inelastic, friction mu, sliding dot(corner.y)
-        impact left, right: inelastic, friction mu, sliding dot(corner.z)
+        surface floor_1: corner_z(1, 1) >= 0
+        surface floor_2: corner_z(-1, 1) >= 0
+        surface floor_3: corner_z(1, -1) >= 0
+        surface floor_4: corner_z(-1, -1) >= 0
+        surface left_1: corner_y(1, 1) >= -half_room
+        surface left_2: corner_y(-1, 1) >= -half_room
+        surface left_3: corner_y(1, -1) >= -half_room
+        surface left_4: corner_y(-1, -1) >= -half_room
+        surface right_1: corner_y(1, 1) <= half_room
+        surface right_2: corner_y(-1, 1) <= half_room
+        surface right_3: corner_y(1, -1) <= half_room
+        surface right_4: corner_y(-1, -1) <= half_room
+        impact floor_1: inelastic, friction mu, sliding dot(corner_y(1, 1))
+        impact floor_2: inelastic, friction mu, sliding dot(corner_y(-1, 1))
+        impact floor_3: inelastic, friction mu, sliding dot(corner_y(1, -1))
+        impact floor_4: inelastic, friction mu, sliding dot(corner_y(-1, -1))
+        impact left_1, right_1: inelastic, friction mu, sliding dot(corner_z(1, 1))
+        impact left_2, right_2: inelastic, friction mu, sliding dot(corner_z(-1, 1))
+        impact left_3, right_3: inelastic, friction mu, sliding dot(corner_z(1, -1))
+        impact left_4, right_4: inelastic, friction mu, sliding dot(corner_z(-1, -1))
         start { z: half_height }
     }
-}
-
-/// A crate with friction at each of its four corners against floor and walls two metres apart.
-pub(crate) fn rough_crate(half_width: f64, half_height: f64, mu: f64) -> Assembled {
-    let corner = |(side, end): (f64, f64)| -> Box<dyn Model> {
-        Box::new(RoughCorner {
-            half_width,
-            half_height,
-            across: side * half_width,
-            up: end * half_height,
-            mu,
-            ..RoughCorner::default()
-        })
-    };
-    Assembled::joining(CORNERS.map(corner).into())
 }

@@ -1,6 +1,5 @@
 //! What the tests of the simulators share: scenes and measures.
 
-pub(crate) mod assembled;
 pub(crate) mod event;
 pub(crate) mod laws;
 pub(crate) mod scenes;

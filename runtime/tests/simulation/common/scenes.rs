@@ -1,8 +1,5 @@
 //! Scenes without friction whose impacts are inelastic.
 
-use super::assembled::Assembled;
-use hangtime::model::Model;
-
 /// Acceleration of gravity in every scene [m/s^2].
 pub(crate) const GRAVITY: f64 = 9.81;
 
@@ -64,31 +61,16 @@ pub(crate) fn ski_jump() -> SkiJump {
 }
 
 hangtime::model! {
-    /// A block on the floor that may be pressed against the wall at `y = 1`.
-    pub(crate) Corner {
-        parameters { mass: kg = 2, g: m/s^2 = 9.81, press: N = 0 }
+    /// A block on a floor before a wall, with the floor a second time, in another form: the language refuses to declare one surface twice.
+    pub(crate) DoubleFloor {
+        parameters { mass: kg = 2, g: m/s^2 = 9.81 }
         coordinates { y: m, z: m }
-        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z + press*y
+        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z
         surface floor: z >= 0
         surface wall: y <= 1[m]
-        impact floor, wall: inelastic
+        surface again: sin(z/1[m])*1[m] >= 0
+        impact floor, wall, again: inelastic
     }
-}
-
-pub(crate) fn corner() -> Corner {
-    Corner::default()
-}
-
-/// The corner with its floor a second time, which the language refuses to declare.
-pub(crate) fn corner_with_double_floor() -> Assembled {
-    Assembled::repeating(&corner(), &[0, 1, 0])
-}
-
-/// The corner with its floor thirteen times.
-pub(crate) fn thirteen_floors() -> Assembled {
-    let mut contacts = [0; 14];
-    contacts[1] = 1;
-    Assembled::repeating(&corner(), &contacts)
 }
 
 hangtime::model! {
@@ -153,40 +135,3 @@ hangtime::model! {
 pub(crate) fn track_scene() -> Track {
     Track::default()
 }
-
-hangtime::model! {
-    /// One corner of a rectangular crate of unit mass, against floor, left wall and right wall.
-    pub(crate) CrateCorner {
-        parameters {
-            m: kg = 1, g: m/s^2 = 9.81, half_width: m = 0.3, half_height: m = 0.2, half_room: m = 1,
-            across: m = -0.3, up: m = -0.2,
-        }
-        coordinates { y: m, z: m, angle }
-        let corner = (y + cos(angle)*across - sin(angle)*up, z + sin(angle)*across + cos(angle)*up)
-        lagrangian m/2*|dot((y, z))|^2 + m*(half_width^2 + half_height^2)/6*dot(angle)^2 - m*g*z
-        surface floor: corner.z >= 0
-        surface left: corner.y >= -half_room
-        surface right: corner.y <= half_room
-        impact floor, left, right: inelastic
-        start { z: half_height }
-    }
-}
-
-/// A crate between floor and walls: each of the four corners against each of the three surfaces, twelve contacts. The
-/// language refuses them together, since the gaps of three corners give that of the fourth.
-pub(crate) fn crate_in_room(half_width: f64, half_height: f64, half_room: f64) -> Assembled {
-    let corner = |(side, end): (f64, f64)| -> Box<dyn Model> {
-        Box::new(CrateCorner {
-            half_width,
-            half_height,
-            half_room,
-            across: side * half_width,
-            up: end * half_height,
-            ..CrateCorner::default()
-        })
-    };
-    Assembled::joining(CORNERS.map(corner).into())
-}
-
-/// Signs of the corners of a rectangle.
-pub(super) const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
