@@ -298,7 +298,7 @@ impl Plan {
             sequence: &self.sequence,
             guess: &self.trajectory,
             cuts,
-            purpose: Purpose::Near,
+            purpose: Purpose::Again,
         };
         attempts.attempt(runner, attempt);
         let Some(again) = &attempts.best else {

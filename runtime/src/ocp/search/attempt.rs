@@ -57,6 +57,9 @@ pub(in crate::ocp) enum Purpose {
     Explore,
     /// It is that of a motion which is near a solution of it.
     Near,
+    /// It is that of a plan that is solved, stated otherwise: with other elements, or as the re-simulation has it. Nothing is claimed where
+    /// it has no solution.
+    Again,
 }
 
 /// A sequence that was attempted.
@@ -286,17 +289,18 @@ impl<'a, 'e> Attempts<'a, 'e> {
         let barriers = match (&self.best, purpose) {
             // After a cut the motion is a start that others do not better.
             _ if !proves && before.is_some() => &[],
+            (None, Purpose::Again | Purpose::Explore) => &QUICK[..],
             (None, _) if !proves => &QUICK[..],
             (None, _) => &FIRST[..],
             (Some(_), Purpose::Compare) => &NEIGHBOUR[..],
-            (Some(_), Purpose::Explore | Purpose::Near) => &NEIGHBOUR[..1],
+            (Some(_), Purpose::Explore | Purpose::Near | Purpose::Again) => &NEIGHBOUR[..1],
         };
         let compares = purpose == Purpose::Compare;
         let near = self.best.as_ref().filter(|_| compares);
         let restores = |last: bool| match &self.best {
             Some(_) if compares && last => usize::MAX,
             Some(_) => 0,
-            None if proves => usize::MAX,
+            None if proves && purpose == Purpose::Near => usize::MAX,
             None => RESTORED,
         };
         let known = match (before, near) {
@@ -305,7 +309,9 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (None, None) => None,
         };
         let warm = known.map(|(run, known)| (run, 0, Some(known)));
-        let stays = purpose == Purpose::Near && self.best.is_none() && before.is_none();
+        let stays = matches!(purpose, Purpose::Near | Purpose::Again)
+            && self.best.is_none()
+            && before.is_none();
         let near = stays.then_some((NEIGHBOUR[0], 0, None));
         // A deep cut leaves little of that solution but the motion itself.
         let again = before.map(|_| (AFTER_CUT, 0, None));
