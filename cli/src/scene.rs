@@ -83,12 +83,11 @@ pub struct Variant {
 pub struct HardScene {
     /// Its name, in kebab case.
     pub name: &'static str,
-    /// The scene, as it would stand in a file.
+    /// The scene, as it would stand in a file; the comment below its head holds the reason of what is right, a derivation or a
+    /// source.
     pub text: &'static str,
     /// What is right.
     pub right: Right,
-    /// Why that is right: a derivation, or a source.
-    pub why: &'static str,
 }
 
 /// A problem of optimal control on which a method may fail, in one respect, and what is right there.
@@ -96,12 +95,10 @@ pub struct HardScene {
 pub struct HardOptimum {
     /// Its name, in kebab case.
     pub name: &'static str,
-    /// The scene, as it would stand in a file.
+    /// The scene, as it would stand in a file, with a comment as that of a [`HardScene`].
     pub text: &'static str,
     /// What is right.
     pub right: RightOptimum,
-    /// Why that is right: a derivation, or a source.
-    pub why: &'static str,
 }
 
 /// What a method has to say about a problem of optimal control.
@@ -232,15 +229,19 @@ impl Scene {
     /// ```
     #[must_use]
     pub fn about(&self) -> String {
-        let text = self.unread.or(self.source).unwrap_or_default();
-        let below = text.lines().skip_while(|line| line.starts_with("//!"));
-        let comment = below.map_while(|line| line.strip_prefix("//"));
-        let words: Vec<&str> = comment
-            .map(str::trim)
-            .filter(|line| !line.is_empty())
-            .collect();
-        words.join(" ")
+        about(self.unread.or(self.source).unwrap_or_default())
     }
+}
+
+/// The comment below the head of a text, as one line.
+pub(crate) fn about(text: &str) -> String {
+    let below = text.lines().skip_while(|line| line.starts_with("//!"));
+    let comment = below.map_while(|line| line.strip_prefix("//"));
+    let words: Vec<&str> = comment
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+        .collect();
+    words.join(" ")
 }
 
 /// Whether a list of scenes can be told apart by their names, and each scene made.

@@ -19,7 +19,6 @@ mod arrows;
 mod lengths;
 mod modules;
 mod packages;
-mod tokens;
 
 /// Whether findings in a file count: with `HANGTIME_ARROWS` those in the chosen folder, otherwise all.
 fn counts(file: &Path) -> bool {

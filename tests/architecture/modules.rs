@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::tokens::{Token, tokens};
+use proc_macro2::{TokenStream, TokenTree};
+use syn::visit::{self, Visit};
+use syn::{Attribute, Expr, ExprLit, Item, ItemImpl, ItemMod, Lit, Macro, Meta, Type, UseTree};
 
 /// One leaf of a `use` declaration.
 #[derive(Debug, Clone)]
@@ -25,7 +27,7 @@ pub(crate) struct Module {
     pub(crate) paths: Vec<Vec<String>>,
     /// Types that have an inherent implementation here.
     pub(crate) implements: Vec<Vec<String>>,
-    /// Every word outside `use` declarations.
+    /// First words of all paths outside `use` declarations.
     pub(crate) words: BTreeSet<String>,
     /// Names of the items that are defined here.
     pub(crate) items: BTreeSet<String>,
@@ -58,341 +60,232 @@ impl Modules {
     /// Reads the crate whose root is the file `root` of the folder `base`; files are named from there.
     pub(crate) fn read(base: &Path, root: &Path) -> Self {
         let mut modules = Self::default();
-        let folder = root.parent().expect("a file stands in a folder");
         let mut unread = vec![Unread {
             path: Vec::new(),
             file: root.to_path_buf(),
-            folder: folder.to_path_buf(),
+            folder: parent(root),
         }];
         while let Some(next) = unread.pop() {
-            let text = fs::read_to_string(base.join(&next.file))
-                .unwrap_or_else(|error| panic!("{}: {error}", next.file.display()));
+            let shown = next.file.display();
+            let text = fs::read_to_string(base.join(&next.file));
+            let text = text.unwrap_or_else(|error| panic!("{shown}: {error}"));
+            let parsed = syn::parse_file(&text);
+            let parsed = parsed.unwrap_or_else(|error| panic!("{shown}: {error}"));
             let mut reader = Reader {
-                tokens: tokens(&text),
-                at: 0,
-                base,
+                path: next.path,
+                folder: next.folder,
                 file: &next.file,
+                base,
+                module: Module::default(),
                 modules: &mut modules,
                 unread: &mut unread,
             };
-            reader.module(next.path, &next.folder);
+            reader.items(&parsed.items);
         }
         modules
     }
 }
 
+fn parent(file: &Path) -> PathBuf {
+    let parent = file.parent().expect("a file stands in a folder");
+    parent.to_path_buf()
+}
+
 struct Reader<'a> {
-    tokens: Vec<Token>,
-    at: usize,
-    base: &'a Path,
+    path: Vec<String>,
+    /// Where child modules of the present one are looked for.
+    folder: PathBuf,
     file: &'a Path,
+    base: &'a Path,
+    module: Module,
     modules: &'a mut Modules,
     unread: &'a mut Vec<Unread>,
 }
 
-/// What the attributes before an item say.
-#[derive(Default)]
-struct Attributes {
-    test: bool,
-    path: Option<String>,
+/// Whether attributes leave something to tests.
+fn is_test(attributes: &[Attribute]) -> bool {
+    attributes.iter().any(|attribute| {
+        let test = |tokens: &TokenStream| tokens.to_string() == "test";
+        attribute.path().is_ident("test")
+            || attribute.path().is_ident("cfg")
+                && matches!(&attribute.meta, Meta::List(list) if test(&list.tokens))
+    })
+}
+
+/// The file that an attribute names for a module.
+fn given(attributes: &[Attribute]) -> Option<String> {
+    let mut named = attributes
+        .iter()
+        .filter(|known| known.path().is_ident("path"));
+    match &named.next()?.meta.require_name_value().ok()?.value {
+        Expr::Lit(ExprLit {
+            lit: Lit::Str(text),
+            ..
+        }) => Some(text.value()),
+        _ => None,
+    }
+}
+
+fn attributes(item: &Item) -> &[Attribute] {
+    match item {
+        Item::Const(item) => &item.attrs,
+        Item::Enum(item) => &item.attrs,
+        Item::Fn(item) => &item.attrs,
+        Item::Impl(item) => &item.attrs,
+        Item::Macro(item) => &item.attrs,
+        Item::Mod(item) => &item.attrs,
+        Item::Static(item) => &item.attrs,
+        Item::Struct(item) => &item.attrs,
+        Item::Trait(item) => &item.attrs,
+        Item::Type(item) => &item.attrs,
+        Item::Use(item) => &item.attrs,
+        _ => &[],
+    }
+}
+
+/// The name that an item defines.
+fn defined(item: &Item) -> Option<String> {
+    Some(match item {
+        Item::Const(item) => item.ident.to_string(),
+        Item::Enum(item) => item.ident.to_string(),
+        Item::Fn(item) => item.sig.ident.to_string(),
+        Item::Macro(item) => item.ident.as_ref()?.to_string(),
+        Item::Static(item) => item.ident.to_string(),
+        Item::Struct(item) => item.ident.to_string(),
+        Item::Trait(item) => item.ident.to_string(),
+        Item::Type(item) => item.ident.to_string(),
+        _ => return None,
+    })
+}
+
+fn segments(path: &syn::Path) -> Vec<String> {
+    let segments = path.segments.iter();
+    segments.map(|part| part.ident.to_string()).collect()
+}
+
+/// The leaves of a tree of a `use` declaration.
+fn leaves(tree: &UseTree, path: &[String], public: bool, imports: &mut Vec<Import>) {
+    let with = |name: &dyn ToString| {
+        // `a::{self, b}` binds `a`
+        let own = Some(name.to_string()).filter(|name| name != "self" || path.is_empty());
+        [path, own.as_slice()].concat()
+    };
+    let mut leaf = |path: Vec<String>, name: Option<String>| {
+        let name = name.or(path.last().cloned()).unwrap_or_default();
+        imports.push(Import { path, name, public });
+    };
+    match tree {
+        UseTree::Path(tree) => leaves(&tree.tree, &with(&tree.ident), public, imports),
+        UseTree::Name(tree) => leaf(with(&tree.ident), None),
+        UseTree::Rename(tree) => leaf(with(&tree.ident), Some(tree.rename.to_string())),
+        UseTree::Glob(_) => leaf(path.to_vec(), Some("*".to_owned())),
+        UseTree::Group(tree) => {
+            let each = tree.items.iter();
+            each.for_each(|tree| leaves(tree, path, public, imports));
+        }
+    }
 }
 
 impl Reader<'_> {
-    fn word(&self, ahead: usize) -> Option<&str> {
-        self.tokens.get(self.at + ahead).and_then(Token::word)
+    /// Reads the items of a module.
+    fn items(&mut self, items: &[Item]) {
+        let around = std::mem::take(&mut self.module);
+        self.module.file = self.file.to_path_buf();
+        items.iter().for_each(|item| self.visit_item(item));
+        let module = std::mem::replace(&mut self.module, around);
+        self.modules.of.insert(self.path.clone(), module);
     }
 
-    fn is(&self, ahead: usize, mark: char) -> bool {
-        self.tokens
-            .get(self.at + ahead)
-            .is_some_and(|token| token.is(mark))
-    }
-
-    /// Reads a module up to the brace that closes it, or the end of the file.
-    fn module(&mut self, path: Vec<String>, folder: &Path) {
-        let mut module = Module {
-            file: self.file.to_path_buf(),
-            ..Module::default()
-        };
-        let mut depth = 0;
-        let mut public = false;
-        while self.at < self.tokens.len() {
-            if self.is(0, '#') && (self.is(1, '[') || self.is(1, '!')) {
-                let attributes = self.attributes();
-                if attributes.test {
-                    self.skip_item();
-                } else if attributes.path.is_some() {
-                    self.child(&path, folder, attributes.path.as_deref());
-                }
-                continue;
-            }
-            match self.word(0) {
-                Some("pub") => {
-                    public = true;
-                    self.at += 1;
-                    if self.is(0, '(') {
-                        self.skip_group();
-                    }
-                    continue;
-                }
-                Some("use") if self.word(1).is_some() || self.is(1, ':') || self.is(1, '{') => {
-                    self.at += 1;
-                    self.import(&[], public, &mut module.imports);
-                }
-                Some("mod") if self.word(1).is_some() && (self.is(2, ';') || self.is(2, '{')) => {
-                    self.child(&path, folder, None);
-                }
-                Some("impl") => {
-                    self.implementation(&mut module);
-                }
-                Some(word) => {
-                    let defines = [
-                        "struct",
-                        "enum",
-                        "fn",
-                        "trait",
-                        "type",
-                        "const",
-                        "static",
-                        "union",
-                        "macro_rules",
-                    ];
-                    if defines.contains(&word) {
-                        let name = if word == "macro_rules" { 2 } else { 1 };
-                        if let Some(name) = self.word(name) {
-                            module.items.insert(name.to_owned());
-                        }
-                    }
-                    self.path(&mut module);
-                }
-                None => {
-                    if self.is(0, '{') {
-                        depth += 1;
-                    } else if self.is(0, '}') {
-                        if depth == 0 {
-                            break;
-                        }
-                        depth -= 1;
-                    }
-                    self.at += 1;
-                }
-            }
-            public = false;
-        }
-        self.modules.of.insert(path, module);
-    }
-
-    /// Reads `#[...]` or `#![...]`, and those that follow.
-    fn attributes(&mut self) -> Attributes {
-        let mut read = Attributes::default();
-        while self.is(0, '#') && (self.is(1, '[') || self.is(1, '!')) {
-            self.at += if self.is(1, '!') { 2 } else { 1 };
-            let start = self.at + 1;
-            self.skip_group();
-            let inside = &self.tokens[start..self.at - 1];
-            let words: Vec<&str> = inside.iter().filter_map(Token::word).collect();
-            read.test |= words == ["cfg", "test"] || words == ["test"];
-            if let [Token::Word(word), Token::Mark('='), Token::Text(text)] = inside
-                && word == "path"
-            {
-                read.path = Some(text.clone());
-            }
-        }
-        read
-    }
-
-    /// Skips a group in brackets, which opens here.
-    fn skip_group(&mut self) {
-        let mut depth = 0;
-        loop {
-            match self.tokens.get(self.at) {
-                Some(Token::Mark('(' | '[' | '{')) => depth += 1,
-                Some(Token::Mark(')' | ']' | '}')) => depth -= 1,
-                None => return,
-                _ => {}
-            }
-            self.at += 1;
-            if depth == 0 {
-                return;
-            }
-        }
-    }
-
-    /// Skips an item, a statement or a field.
-    fn skip_item(&mut self) {
-        while self.word(0) == Some("pub") {
-            self.at += 1;
-            if self.is(0, '(') {
-                self.skip_group();
-            }
-        }
-        let items = [
-            "fn", "impl", "struct", "enum", "trait", "mod", "use", "const", "static",
-        ];
-        let is_item = self.word(0).is_some_and(|word| items.contains(&word));
-        loop {
-            match self.tokens.get(self.at) {
-                Some(Token::Mark('{')) => return self.skip_group(),
-                Some(Token::Mark('(' | '[')) => self.skip_group(),
-                Some(Token::Mark(',')) if !is_item => return,
-                Some(Token::Mark('}')) | None => return,
-                Some(Token::Mark(';')) => {
-                    self.at += 1;
-                    return;
-                }
-                _ => self.at += 1,
-            }
-        }
-    }
-
-    /// Reads `mod name;` or `mod name { ... }`.
-    fn child(&mut self, parent: &[String], folder: &Path, given: Option<&str>) {
-        while self.word(0) != Some("mod") {
-            self.at += 1;
-        }
-        let Some(name) = self.word(1).map(str::to_owned) else {
-            return;
-        };
-        let mut path = parent.to_vec();
-        path.push(name.clone());
-        let inline = self.is(2, '{');
-        self.at += 3;
-        if inline {
-            self.module(path, &folder.join(&name));
-            self.at += 1;
-            return;
-        }
-        let here = self.file.parent().expect("a file stands in a folder");
-        let beside = folder.join(format!("{name}.rs"));
-        let file = match given {
-            Some(given) => here.join(given),
-            None if self.base.join(&beside).exists() => beside,
-            None => folder.join(&name).join("mod.rs"),
-        };
-        let folder = if file.ends_with("mod.rs") || given.is_some() {
-            file.parent()
-                .expect("a file stands in a folder")
-                .to_path_buf()
-        } else {
-            folder.join(&name)
-        };
-        self.unread.push(Unread { path, file, folder });
-    }
-
-    /// Reads a tree of a `use` declaration, up to the comma, brace or semicolon after it.
-    fn import(&mut self, prefix: &[String], public: bool, imports: &mut Vec<Import>) {
-        let mut path = prefix.to_vec();
-        let mut leaf = |path: &[String], name: &str| {
-            imports.push(Import {
-                path: path.to_vec(),
-                name: name.to_owned(),
-                public,
-            });
-        };
-        while self.at < self.tokens.len() {
-            if self.is(0, '{') {
-                self.at += 1;
-                while !self.is(0, '}') {
-                    self.import(&path, public, imports);
-                    if self.is(0, ',') {
-                        self.at += 1;
-                    }
-                }
-                self.at += 1;
-                return;
-            }
-            if self.is(0, '*') {
-                leaf(&path, "*");
-                self.at += 1;
-                return;
-            }
-            match self.word(0).map(str::to_owned) {
-                Some(word) if word == "as" => {
-                    let name = self.word(1).unwrap_or("_").to_owned();
-                    leaf(&path, &name);
-                    self.at += 2;
-                    return;
-                }
-                Some(word) => {
-                    // `a::{self, b}` binds `a`
-                    if word != "self" || path.is_empty() {
-                        path.push(word);
-                    }
-                    self.at += 1;
-                }
-                None if self.is(0, ':') => self.at += 1,
-                None => {
-                    let name = path.last().cloned().unwrap_or_default();
-                    leaf(&path, &name);
-                    return;
-                }
-            }
-        }
-    }
-
-    /// Reads `impl<...> Type` or `impl<...> Trait for Type` as far as the names go.
-    fn implementation(&mut self, module: &mut Module) {
-        self.at += 1;
-        let start = self.at;
-        if self.is(0, '<') {
-            let mut depth = 0;
-            loop {
-                if self.is(0, '<') {
-                    depth += 1;
-                } else if self.is(0, '>') && !self.tokens[self.at - 1].is('-') {
-                    depth -= 1;
-                }
-                self.at += 1;
-                if depth == 0 || self.at >= self.tokens.len() {
-                    break;
-                }
-            }
-        }
-        let name = self.segments();
-        // `impl Trait` of an argument or a result ends otherwise than an implementation
-        let mut ahead = 0;
-        let inherent = loop {
-            match self.tokens.get(self.at + ahead) {
-                Some(Token::Word(word)) if word == "for" => break false,
-                Some(Token::Word(word)) if word == "where" => break true,
-                Some(Token::Mark('{')) => break true,
-                Some(Token::Mark('<' | '>' | '\'' | ',' | ':')) | Some(Token::Word(_)) => {
-                    ahead += 1
-                }
-                _ => break false,
-            }
-        };
-        if inherent && !name.is_empty() && self.starts_item(start - 1) {
-            module.implements.push(name);
-        }
-        self.at = start;
-    }
-
-    /// Whether the token at `at` stands where an item can begin.
-    fn starts_item(&self, at: usize) -> bool {
-        at == 0 || matches!(self.tokens[at - 1], Token::Mark('}' | ';' | ']' | '{'))
-    }
-
-    /// Reads words joined by `::`.
-    fn segments(&mut self) -> Vec<String> {
-        let mut path = Vec::new();
-        while let Some(word) = self.word(0).map(str::to_owned) {
-            path.push(word);
-            self.at += 1;
-            if self.is(0, ':') && self.is(1, ':') && self.word(2).is_some() {
-                self.at += 2;
-            } else {
-                break;
-            }
-        }
-        path
-    }
-
-    fn path(&mut self, module: &mut Module) {
-        let path = self.segments();
-        module.words.insert(path[0].clone());
+    fn name(&mut self, path: Vec<String>) {
+        self.module.words.extend(path.first().cloned());
         if path.len() > 1 {
-            module.paths.push(path);
+            self.module.paths.push(path);
         }
+    }
+
+    /// Paths in the tokens of a macro.
+    fn tokens(&mut self, tokens: TokenStream) {
+        let mut path: Vec<String> = Vec::new();
+        let mut colons = 0;
+        for token in tokens {
+            match token {
+                TokenTree::Punct(mark) if mark.as_char() == ':' && !path.is_empty() => colons += 1,
+                TokenTree::Ident(word) if colons == 2 || path.is_empty() => {
+                    path.push(word.to_string());
+                    colons = 0;
+                }
+                token => {
+                    self.name(std::mem::take(&mut path));
+                    colons = 0;
+                    match token {
+                        TokenTree::Group(group) => self.tokens(group.stream()),
+                        TokenTree::Ident(word) => path.push(word.to_string()),
+                        _ => {}
+                    }
+                }
+            }
+        }
+        self.name(path);
+    }
+}
+
+impl<'ast> Visit<'ast> for Reader<'_> {
+    fn visit_item(&mut self, item: &'ast Item) {
+        if is_test(attributes(item)) {
+            return;
+        }
+        self.module.items.extend(defined(item));
+        if let Item::Use(item) = item {
+            let public = !matches!(item.vis, syn::Visibility::Inherited);
+            leaves(&item.tree, &[], public, &mut self.module.imports);
+        } else {
+            visit::visit_item(self, item);
+        }
+    }
+
+    fn visit_item_mod(&mut self, item: &'ast ItemMod) {
+        let name = item.ident.to_string();
+        self.path.push(name.clone());
+        if let Some((_, items)) = &item.content {
+            self.folder.push(&name);
+            self.items(items);
+            self.folder.pop();
+        } else {
+            let beside = self.folder.join(format!("{name}.rs"));
+            let given = given(&item.attrs);
+            let file = match &given {
+                Some(given) => parent(self.file).join(given),
+                None if self.base.join(&beside).exists() => beside,
+                None => self.folder.join(&name).join("mod.rs"),
+            };
+            let is_root = file.ends_with("mod.rs") || given.is_some();
+            self.unread.push(Unread {
+                path: self.path.clone(),
+                folder: if is_root {
+                    parent(&file)
+                } else {
+                    self.folder.join(&name)
+                },
+                file,
+            });
+        }
+        self.path.pop();
+    }
+
+    fn visit_item_impl(&mut self, item: &'ast ItemImpl) {
+        if let (None, Type::Path(of)) = (&item.trait_, &*item.self_ty) {
+            self.module.implements.push(segments(&of.path));
+        }
+        visit::visit_item_impl(self, item);
+    }
+
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        self.name(segments(path));
+        visit::visit_path(self, path);
+    }
+
+    fn visit_macro(&mut self, found: &'ast Macro) {
+        self.tokens(found.tokens.clone());
+        visit::visit_macro(self, found);
     }
 }

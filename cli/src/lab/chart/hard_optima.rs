@@ -6,6 +6,7 @@ use super::side_by_side::{side_by_side, workers};
 use super::verdict::{Row, Verdict};
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
+use crate::scene::about;
 use crate::scene_file::load_text;
 use crate::settings::ChosenScene;
 use crate::timing::patience;
@@ -80,7 +81,7 @@ fn row(problem: &HardOptimum, bounds: &Bounds) -> Result<Row, BadInput> {
     Ok(Row {
         name: problem.name.to_owned(),
         phenomenon: scene.title.to_owned(),
-        why: problem.why.to_owned(),
+        why: about(problem.text),
         verdicts: verdicts.collect(),
     })
 }

@@ -14,6 +14,7 @@ use crate::method::ChosenMethod;
 use crate::output::OutputDirectory;
 use crate::page::{Block, Page, Section};
 use crate::report::Report;
+use crate::scene::about;
 use crate::scene_file::load_text;
 use crate::settings::ChosenScene;
 use crate::spreadsheet::csv_text;
@@ -216,7 +217,7 @@ struct Tried {
     chosen: ChosenScene,
     problem: Result<InitialValueProblem, InputError>,
     right: Right,
-    why: &'static str,
+    why: String,
     /// What the scene of a list or a file is compared with.
     study: Option<Study>,
 }
@@ -251,7 +252,7 @@ fn tried(
                 name: hard.name.to_owned(),
                 problem,
                 right: hard.right,
-                why: hard.why,
+                why: about(hard.text),
                 study,
                 chosen,
             })
@@ -267,7 +268,7 @@ impl Tried {
             chosen: ChosenScene::new(study.chosen.scene, &again)?,
             problem: Ok(study.problem.clone()),
             right: Right::Agreed,
-            why: "the closed form of the scene, or two methods that agree at their tightest tolerances",
+            why: "the closed form of the scene, or two methods that agree at their tightest tolerances".to_owned(),
             study: Some(study),
         })
     }
@@ -299,7 +300,7 @@ impl Tried {
         Ok(Row {
             name: self.name.clone(),
             phenomenon: self.chosen().scene.title.to_owned(),
-            why: self.why.to_owned(),
+            why: self.why.clone(),
             verdicts,
         })
     }
