@@ -8,7 +8,6 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use hangtime::mpcc::Mpcc as _;
 use hangtime::nl::{self, Program, Solution};
 use hangtime::nlp::IterationInfo;
 use hangtime::simulation::ProblemSize;
@@ -136,7 +135,7 @@ fn answer(path: &Path, bytes: &[u8], words: &[OsString]) -> Result<(String, Stri
 /// The lines after the log.
 fn ended(name: &str, program: &Program, solution: &Solution) -> String {
     let mut text = String::from("\n");
-    let size = ProblemSize::of(program, program.complementarities().len());
+    let size = ProblemSize::of(program);
     text += &summary(name, size, solution, solution.status.name());
     if let Some(diagnosis) = solution.diagnosis() {
         let _ = writeln!(text, "diagnosis     {}", one_line(&diagnosis));

@@ -332,30 +332,22 @@ fn patterns(declaration: &Declaration) -> String {
             .collect()
     };
     let mut text = String::from("\nsparsity patterns (x structural nonzero, . zero)\n");
-    // Rows of each Jacobian are functions, those of a Hessian are inputs.
-    let mut both = |what: &str, jacobian, hessian, rows: Vec<String>| {
-        text += &pattern(&format!("Jacobian of {what}"), jacobian, &rows, &inputs);
-        let title = format!("Hessian of {what}, lower triangle");
-        text += &pattern(&title, hessian, &inputs, &inputs);
-    };
     let (jacobian, hessian) = (&declaration.free_jacobian, &declaration.free_hessian);
-    both("the free acceleration", jacobian, hessian, with("", "''"));
+    let rows = with("", "''");
+    text += &both("the free acceleration", (jacobian, hessian), &rows, &inputs);
     for contact in declaration.contacts {
         let directed = |names: &[&str]| {
             let names = names.iter().map(|name| (*name).to_owned());
-            names.chain(with("direction ", "")).collect()
+            let names = names.chain(with("direction ", ""));
+            names.collect::<Vec<String>>()
         };
         let (name, rows) = (contact.name, directed(&["gap", "gap'"]));
         let what = format!("contact `{name}`");
-        both(&what, &contact.jacobian, &contact.hessian, rows);
+        text += &both(&what, (&contact.jacobian, &contact.hessian), &rows, &inputs);
         if let Some(friction) = &contact.friction {
-            let what = format!("the friction of `{name}`");
-            both(
-                &what,
-                &friction.jacobian,
-                &friction.hessian,
-                directed(&["slip"]),
-            );
+            let (what, rows) = (format!("the friction of `{name}`"), directed(&["slip"]));
+            let patterns = (&friction.jacobian, &friction.hessian);
+            text += &both(&what, patterns, &rows, &inputs);
         }
     }
     if let Some(task) = &declaration.optimal_control {
@@ -393,38 +385,29 @@ fn task_patterns(
     let path = rows(task.running_cost, "running cost", task.constraints);
     let terminal = rows(task.final_cost, "final cost", task.goals);
     let impact = [sums, names(terms.constraints)].concat();
-    let mut text = String::new();
-    for (what, jacobian, hessian, rows, inputs) in [
-        (
-            "path",
-            &task.path_jacobian,
-            &task.path_hessian,
-            path,
-            &with_provided[..declaration.path_inputs()],
-        ),
-        (
-            "terminal",
-            &task.terminal_jacobian,
-            &task.terminal_hessian,
-            terminal,
-            &at_the_end[..declaration.terminal_inputs()],
-        ),
-        (
-            "impact",
-            &terms.impact_jacobian,
-            &terms.impact_hessian,
-            impact,
-            &with_provided,
-        ),
-    ] {
-        if !rows.is_empty() {
-            let title = format!("Jacobian of the {what} functions");
-            text += &pattern(&title, jacobian, &rows, inputs);
-            let title = format!("Hessian of the {what} functions, lower triangle");
-            text += &pattern(&title, hessian, inputs, inputs);
-        }
+    let path_inputs = &with_provided[..declaration.path_inputs()];
+    let patterns = (&task.path_jacobian, &task.path_hessian);
+    let mut text = both("the path functions", patterns, &path, path_inputs);
+    let patterns = (&task.terminal_jacobian, &task.terminal_hessian);
+    let inputs = &at_the_end[..declaration.terminal_inputs()];
+    text += &both("the terminal functions", patterns, &terminal, inputs);
+    let patterns = (&terms.impact_jacobian, &terms.impact_hessian);
+    text + &both("the impact functions", patterns, &impact, &with_provided)
+}
+
+/// The patterns of some functions, if there are any: rows of a Jacobian are functions, those of a Hessian are inputs.
+fn both(
+    what: &str,
+    (jacobian, hessian): (&SparsityPattern, &SparsityPattern),
+    rows: &[String],
+    inputs: &[String],
+) -> String {
+    if rows.is_empty() {
+        return String::new();
     }
-    text
+    let title = format!("Hessian of {what}, lower triangle");
+    pattern(&format!("Jacobian of {what}"), jacobian, rows, inputs)
+        + &pattern(&title, hessian, inputs, inputs)
 }
 
 /// One pattern as a small matrix of dots and crosses.

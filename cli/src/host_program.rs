@@ -5,7 +5,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use hangtime::mpcc::Mpcc as _;
 use hangtime::nl::{self, Program, Solution};
 use hangtime::nlp::{Interrupt, IterationInfo};
 use hangtime::simulation::ProblemSize;
@@ -90,7 +89,7 @@ impl HostProgram {
             .map_err(|error| refused(format!("{error}; give a .nl file that can be read")))?;
         let mut program = open(path, &bytes).map_err(|error| refused(error.to_string()))?;
         drop(bytes);
-        let size = ProblemSize::of(&program, program.complementarities().len());
+        let size = ProblemSize::of(&program);
         let solution = nl::solve_with(&mut program, options, &mut |info| {
             told(info);
             asked().is_none()

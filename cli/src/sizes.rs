@@ -74,32 +74,18 @@ impl Sizes {
         let mut text = String::from(
             "sizes as the solvers see them (fixed variables and rows without bounds are left out)\n\n",
         );
-        let rows = self.formulations.iter().map(|formulation| {
-            let size = formulation.size;
-            vec![
-                formulation.formulation.clone(),
-                size.variables.to_string(),
-                size.equalities.to_string(),
-                size.inequalities.to_string(),
-                size.complementarities.to_string(),
-                size.jacobian_nonzeros.to_string(),
-                size.hessian_nonzeros.to_string(),
-                formulation.discretization.clone(),
-            ]
+        let rows = self.formulations.iter().map(|own| {
+            let size = own.size;
+            let [rows, signs] = [size.equalities, size.inequalities];
+            let nonzeros = [size.jacobian_nonzeros, size.hessian_nonzeros];
+            let counts = [size.variables, rows, signs, size.complementarities];
+            let counts = counts.into_iter().chain(nonzeros).map(|k| k.to_string());
+            let name = std::iter::once(own.formulation.clone());
+            let cells = name.chain(counts).chain([own.discretization.clone()]);
+            cells.collect()
         });
-        text += &described(
-            [
-                "formulation",
-                "variables",
-                "equations",
-                "inequalities",
-                "pairs",
-                "Jacobian",
-                "Hessian",
-                "grid",
-            ],
-            rows,
-        );
+        let heads = "formulation variables equations inequalities pairs Jacobian Hessian grid";
+        text += &described(heads.split(' '), rows);
         text += "  Jacobian, Hessian: structural nonzeros\n";
         for (name, why) in &self.refused {
             let _ = writeln!(text, "\n{name}: not for this scene: {why}");
@@ -189,25 +175,23 @@ impl Comparison {
     fn text(&self) -> String {
         let known = self.published;
         let mut text = format!("\npublished: {} ({})\n", known.what, known.source);
-        let share = |own: usize, published: usize| {
-            format!("{:.0} %", 100.0 * own as f64 / published as f64)
+        let row = |name: &str, grid: &str, variables: usize, nonzeros: usize| {
+            let mut cells = vec![format!("{name}, {grid}")];
+            for (own, published) in [
+                (variables, known.variables),
+                (nonzeros, known.jacobian_nonzeros),
+            ] {
+                cells.push(own.to_string());
+                let share = 100.0 * own as f64 / published as f64;
+                cells.push(format!("{share:.0} %"));
+            }
+            cells
         };
-        let theirs = vec![
-            format!("{}, {}", known.what, known.discretization()),
-            known.variables.to_string(),
-            "100 %".to_owned(),
-            known.jacobian_nonzeros.to_string(),
-            "100 %".to_owned(),
-        ];
+        let (variables, nonzeros) = (known.variables, known.jacobian_nonzeros);
+        let theirs = row(known.what, &known.discretization(), variables, nonzeros);
         let ours = self.ours.iter().map(|own| {
-            let size = own.size;
-            vec![
-                format!("{}, {}", own.formulation, own.discretization),
-                size.variables.to_string(),
-                share(size.variables, known.variables),
-                size.jacobian_nonzeros.to_string(),
-                share(size.jacobian_nonzeros, known.jacobian_nonzeros),
-            ]
+            let (variables, nonzeros) = (own.size.variables, own.size.jacobian_nonzeros);
+            row(&own.formulation, &own.discretization, variables, nonzeros)
         });
         text += &table(
             ["formulation", "variables", "", "Jacobian", ""],

@@ -86,7 +86,6 @@ pub mod rk;
 mod run;
 pub mod scene;
 pub mod simulation;
-mod size;
 mod time_freezing;
 
 pub use front::simulate::{Simulate, simulate};

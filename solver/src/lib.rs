@@ -4,10 +4,10 @@
 //! |---|---|
 //! | [`mpcc`] | complementarity problems: relaxation tied to the barrier, crossover, certificate |
 //! | [`nl`] | programs from `.nl` files, which modelling languages write, and `.sol` files for them |
-//! | [`nlp`] | an interior point method for nonlinear programs, with derivatives of small functions by dual numbers |
+//! | [`nlp`] | an interior point method for nonlinear programs |
 //!
-//! A program is a sum of small functions ([`nlp::ElementProblem`]), a file ([`nl::Program`]), or a type that implements
-//! [`nlp::NlpProblem`], with [`mpcc::Mpcc`] where variables complement each other.
+//! A program is a file ([`nl::Program`]), or a type that implements [`nlp::NlpProblem`], with [`mpcc::Mpcc`] where variables
+//! complement each other.
 
 // Not for users: hangtime times its runs by the same clocks, which are those of the host where there is no system.
 #[doc(hidden)]

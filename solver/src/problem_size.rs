@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use crate::nlp::NlpProblem;
+use crate::mpcc::Mpcc;
 
-/// Size of a program, or of a system of equations.
+/// Size of a program, or of a system of equations, as its solver sees it: variables whose bounds fix them are numbers, and
+/// rows without bounds do not exist.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct ProblemSize {
     /// Unknowns.
@@ -22,20 +23,31 @@ pub struct ProblemSize {
 }
 
 impl ProblemSize {
-    /// Size of a program with that many complementarity pairs.
+    /// Size of an assembled program.
     #[must_use]
-    pub fn of(program: &dyn NlpProblem, complementarities: usize) -> Self {
-        let rows = program.constraints();
+    pub fn of(program: &dyn Mpcc) -> Self {
+        let (variables, rows) = (program.variables(), program.constraints());
+        let (mut lower, mut upper) = (vec![0.0; variables], vec![0.0; variables]);
+        program.variable_bounds(&mut lower, &mut upper);
+        let free: Vec<bool> = lower.iter().zip(&upper).map(|(l, u)| l < u).collect();
         let (mut lower, mut upper) = (vec![0.0; rows], vec![0.0; rows]);
         program.constraint_bounds(&mut lower, &mut upper);
-        let equalities = lower.iter().zip(&upper).filter(|(l, u)| l == u).count();
+        let bounds = || lower.iter().zip(&upper);
+        let bounded = bounds().map(|(l, u)| l.is_finite() || u.is_finite());
+        let bounded: Vec<bool> = bounded.collect();
+        let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
+        let both = |list: &[(usize, usize)], of_first: &[bool]| {
+            let own = list.iter().filter(|&&(i, j)| of_first[i] && free[j]);
+            own.count()
+        };
+        let equalities = bounds().filter(|(l, u)| l == u).count();
         Self {
-            variables: program.variables(),
+            variables: count(&free),
             equalities,
-            inequalities: rows - equalities,
-            complementarities,
-            jacobian_nonzeros: program.jacobian_pattern().len(),
-            hessian_nonzeros: program.hessian_pattern().len(),
+            inequalities: count(&bounded) - equalities,
+            complementarities: both(program.complementarities(), &free),
+            jacobian_nonzeros: both(&program.jacobian_pattern(), &bounded),
+            hessian_nonzeros: both(&program.hessian_pattern(), &free),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use hangtime::derivative::{Gradient, GradientMode, SequenceLimit, SequenceRange, Side};
+use hangtime::derivative::{Gradient, GradientMode, Side};
 use hangtime::model::Model;
 use serde_json::Value;
 
@@ -23,7 +23,6 @@ pub(super) fn gradient(model: &dyn Model, gradient: &Gradient, kept: &[usize]) -
     let values = by_name(gradient.values.iter().map(|(name, row)| (name, row)));
     let forward = gradient.mode == GradientMode::Forward;
     let last = || end(&gradient.q, &gradient.v, mechanical);
-    let ranges: Vec<Object> = gradient.ranges.iter().map(range).collect();
     let obstacles = || gradient.obstacles.iter().map(existence).collect::<Vec<_>>();
     let sides = gradient.one_sided.as_deref().map(|sides| {
         // Below the value of the parameter; null where there is none.
@@ -49,28 +48,13 @@ pub(super) fn gradient(model: &dyn Model, gradient: &Gradient, kept: &[usize]) -
         // How far derivatives may be off, as a share of the largest change of each value that they tell of. Only where that is known.
         .some("error_estimate", gradient.error_estimate)
         // How far each quantity may go until the motion has another sequence of events, to first order. Only of `forward` derivatives.
-        .list("range", &ranges)
+        .list("range", &gradient.ranges)
         // `true`, or why there is no derivative by some quantity.
         .with("exists", existence(&gradient.obstacle))
         // By quantity `true`, or why there is no derivative by it. Only where there is none by some of them.
         .some("exists_by", gradient.obstacle.is_some().then(obstacles))
         // Of the end to both sides, only where there are no others; null by other quantities.
         .some("one_sided", sides)
-}
-
-/// How far a quantity may go to both sides until something else happens, to first order: the change in its unit, below 0 towards smaller
-/// values, and what is another then; null to a side that nothing ends.
-pub(super) fn range(range: &SequenceRange) -> Object {
-    let limit = |limit: &SequenceLimit| {
-        // Change of the quantity, in its unit; below 0 towards smaller values.
-        let change = Object::default().with("change", limit.change);
-        // What is another then.
-        change.with("because", &limit.because)
-    };
-    // Towards smaller values.
-    let below = Object::default().with("below", range.below.as_ref().map(limit));
-    // Towards larger values.
-    below.with("above", range.above.as_ref().map(limit))
 }
 
 /// Derivatives to one side, of the end, the objective and chosen values there; null where there are none. Values that move by `a sqrt(h)`

@@ -1,11 +1,11 @@
 //! The JSON document of an optimal control problem.
 
 use hangtime::model::Model;
-use hangtime::ocp::{Formulation, OptimumGradient, Settings, Solution, TimeFreezingReport};
+use hangtime::ocp::{Formulation, OptimumGradient, Settings, Solution};
 use hangtime::rk::Scheme;
 use serde::Serialize;
 
-use super::gradient::{existence, range};
+use super::gradient::existence;
 use super::parts::{Motion, Object, begun, found};
 use crate::ending::Ending;
 use crate::settings::ChosenScene;
@@ -83,35 +83,6 @@ pub(crate) fn struck_after_the_end(model: &dyn Model, solution: &Solution) -> Ve
     struck.map(note).collect()
 }
 
-/// The complementarity problem of the time-freezing formulation: how its exact solution ended, its objective with the step equilibration,
-/// the length of its motion \[s\], its residuals, what of the scene it leaves out and the motion does not, and its relaxed solution.
-fn time_freezing(report: &TimeFreezingReport) -> Object {
-    let residuals = Object::default()
-        // Largest violation, scaled.
-        .with("primal", report.residuals.primal)
-        // Largest product of a pair.
-        .with("complementarity", report.residuals.complementarity);
-    Object::default()
-        // How its exact solution ended.
-        .with("status", report.status.to_string())
-        // Its objective, with the step equilibration.
-        .with("objective", report.objective)
-        // Length of its motion \[s\].
-        .with("horizon", report.horizon)
-        // How well its equations hold.
-        .with("residuals", residuals)
-        // What of the scene it leaves out, and the motion does not.
-        .with("left_out", &report.left_out)
-        // Its relaxed solution.
-        .with("relaxed", report.relaxed)
-        // Its size.
-        .with("size", report.size)
-        // Iterations of its exact solution.
-        .with("iterations", report.iterations)
-        // CPU time \[s\].
-        .with("seconds", report.seconds)
-}
-
 /// Says of each free parameter at an end of its range that it is there.
 fn at_bounds(solution: &Solution) -> impl Iterator<Item = String> {
     let found = solution.parameters.iter();
@@ -133,7 +104,6 @@ fn gradient(gradient: &OptimumGradient) -> Object {
             // Derivatives of the final time.
             .with("final_time", time.collect::<Vec<_>>())
     };
-    let ranges = gradient.ranges.iter().map(range);
     let existences = gradient.obstacles.iter().map(existence);
     Object::default()
         // The parameters.
@@ -143,7 +113,7 @@ fn gradient(gradient: &OptimumGradient) -> Object {
         // Derivatives of the final time.
         .with("final_time", &gradient.final_time)
         // How far each may go until other conditions of the plan hold, to first order.
-        .with("range", ranges.collect::<Vec<_>>())
+        .with("range", &gradient.ranges)
         // By parameter: `true`, or why there is no derivative.
         .with("exists", existences.collect::<Vec<_>>())
         // Derivatives towards smaller and larger values, where there is none; null by other parameters.
@@ -191,7 +161,6 @@ pub(crate) fn solution_document(
     }
     let free = Some(free).filter(|_| !solution.parameters.is_empty());
     let objective = Some(solution.resimulated_objective).filter(|cost| cost.is_finite());
-    let freezing = solution.time_freezing.as_ref().map(time_freezing);
     let begin = begun(chosen)
         // Free parameters that were found, by name.
         .some("free", free)
@@ -230,7 +199,7 @@ pub(crate) fn solution_document(
         // CPU time \[s\].
         .with("seconds", solution.seconds)
         // The complementarity problem of `--formulation time-freezing`.
-        .some("time_freezing", freezing)
+        .some("time_freezing", solution.time_freezing.as_ref())
         // The distinct local optima, best first.
         .with("optima", &solution.optima)
         // Motions that were confirmed and better than all before, in the order in which they were found.

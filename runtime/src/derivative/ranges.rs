@@ -14,23 +14,24 @@ use super::place::Place;
 use super::tangent::{Tangent, add};
 use crate::model::tangent_point;
 use crate::simulation::{ContactMode, Event, number};
+use serde::Serialize;
 
 /// Share of its size that a margin has which an event ends.
 const ENDED: f64 = 1e-5;
 /// Share of the largest velocity that counts as none after an impact.
 const AT_REST: f64 = 1e-8;
 
-/// How far one quantity may go.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// How far one quantity may go, to first order.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct SequenceRange {
-    /// Towards smaller values; `None` where nothing ends it.
+    /// Towards smaller values; none, in JSON null, where nothing ends it.
     pub below: Option<SequenceLimit>,
     /// Towards larger values.
     pub above: Option<SequenceLimit>,
 }
 
 /// What ends a range.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SequenceLimit {
     /// Change of the quantity there, in its unit; below 0 towards smaller values.
     pub change: f64,

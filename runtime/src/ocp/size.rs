@@ -18,8 +18,7 @@ use super::struck::after_impact;
 use super::unknown::with_unknowns;
 use crate::model::Model;
 use crate::rk::{ButcherTableau, Scheme};
-use crate::simulation::{FormulationSize, InputError};
-use crate::size::assembled;
+use crate::simulation::{FormulationSize, InputError, ProblemSize};
 
 /// The size of the program that [`solve`](super::solve) makes of a problem under `settings`: the collocation with the contact
 /// sequence of the ride without controls, or the program of the time-freezing formulation.
@@ -88,7 +87,7 @@ fn time_freezing(
             problem.intervals,
             settings.elements_of(model)
         ),
-        size: assembled(&program),
+        size: ProblemSize::of(&program),
     })
 }
 
@@ -128,6 +127,6 @@ fn phases(
             settings.elements,
             sequence.switches.len()
         ),
-        size: assembled(&fine.program),
+        size: ProblemSize::of(&fine.program),
     })
 }

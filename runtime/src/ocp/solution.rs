@@ -74,29 +74,40 @@ impl Status {
 
 /// What became of the complementarity problem of [`Formulation::TimeFreezing`](super::Formulation::TimeFreezing): relaxed, it
 /// gives the contact sequence of the motion that is polished, and with that sequence it is solved exactly.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct TimeFreezingReport {
     /// How it ended: [`Uncertified`](mpcc::Status::Uncertified) at an exact solution, as the certificate is that of the
     /// polished motion; [`Relaxed`](mpcc::Status::Relaxed) where none is known.
+    #[serde(serialize_with = "in_words")]
     pub status: mpcc::Status,
     /// Its objective, with the step equilibration.
     pub objective: f64,
     /// Length of its motion \[s\].
     pub horizon: f64,
-    /// Its residuals; the complementarity is the largest product of a pair.
+    /// Its residuals, which have no `dual` in JSON; the complementarity is the largest product of a pair.
+    #[serde(serialize_with = "without_dual")]
     pub residuals: Residuals,
     /// What of the scene it leaves out, and the polished motion does not: at a relaxed solution forces and
     /// impulses of contacts, which are 0 in its functions and of which it has no conditions.
     pub left_out: Vec<&'static str>,
     /// The relaxed solution before the polish.
     pub relaxed: RelaxedReport,
+    /// Size of the relaxed program.
+    pub size: ProblemSize,
     /// Interior point iterations, those of the relaxed program among them.
     pub iterations: usize,
-    /// Size of the problem.
-    pub size: ProblemSize,
     /// CPU time, that of the relaxed program included \[s\].
     pub seconds: f64,
+}
+
+fn in_words<S: Serializer>(status: &mpcc::Status, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(status)
+}
+
+fn without_dual<S: Serializer>(known: &Residuals, serializer: S) -> Result<S::Ok, S::Error> {
+    let complementarity = ("complementarity", known.complementarity);
+    serializer.collect_map([("primal", known.primal), complementarity])
 }
 
 /// A relaxed solution of the complementarity problem of the time-freezing formulation.
@@ -351,7 +362,7 @@ pub struct Solution {
     pub least_time: Option<f64>,
     /// What the nearest of many simulated motions misses, where no plan was found.
     pub nearest: Option<Nearest>,
-    /// Size of a program.
+    /// Size of the program of the plan.
     pub size: ProblemSize,
     /// Work done.
     pub counts: Counts,

@@ -65,7 +65,7 @@ pub struct Simulation {
     /// impacts would have changed that lie between two steps. Infinite where a looser run does not reach the end. Every solved
     /// run has one.
     pub error_estimate: Option<f64>,
-    /// Size of the largest system that was solved for one step.
+    /// Size of the largest system that was solved: of an element, or of a step.
     pub size: ProblemSize,
     /// Operation counts, deterministic.
     pub counts: Counts,

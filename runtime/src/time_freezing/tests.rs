@@ -8,7 +8,7 @@ use super::transcription::Transcription;
 use crate::model::Model;
 use crate::program::sparse_program::Program;
 use crate::rk::{ButcherTableau, Scheme};
-use crate::size::assembled;
+use hangtime_solver::ProblemSize;
 use hangtime_solver::nlp::{NlpProblem, check_derivatives};
 
 /// What is unknown beside the motion.
@@ -111,7 +111,7 @@ fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
     let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
     let sizes = |model: &dyn Model| {
         let program = program(model, &tableau, Unknown::Nothing, 3).program;
-        let size = assembled(&program);
+        let size = ProblemSize::of(&program);
         (size.variables, size.equalities, size.complementarities)
     };
     let (plain, rough) = (sizes(&Bead::default()), sizes(&RoughBead::default()));

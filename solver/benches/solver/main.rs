@@ -4,13 +4,12 @@
 //! cargo bench -p hangtime-solver --bench solver -- [nlp [NAME|all [TIMES]]|text DIRECTORY|scaling|mpcc [NAME]]
 //! ```
 //!
-//! `nlp` solves the nonlinear programs, or one of them, the given number of times; `text` writes
-//! them as text after checking that the text says the same. `compare_ipopt.py` beside this file calls both and solves the same programs by IPOPT in the same run.
+//! `nlp` solves the nonlinear programs, or one of them, the given number of times; `text` writes them to files.
+//! `compare_ipopt.py` beside this file calls both and solves the same programs by IPOPT in the same run.
 
 #[path = "../../tests/solver_support/mod.rs"]
 mod solver_support;
 
-mod agreement;
 #[path = "../homotopy.rs"]
 mod homotopy;
 mod problems;
@@ -19,7 +18,6 @@ mod timed;
 use cpu_time::ThreadTime;
 use hangtime_solver::mpcc;
 use hangtime_solver::nlp::{self, NlpProblem, Settings};
-use problems::Stated;
 use solver_support::TextProblem;
 use timed::Timed;
 
@@ -51,9 +49,10 @@ const HEADING: &str = "problem variables rows status iterations factorizations c
 /// Solves one problem `times` times and prints the line of the fastest run: CPU seconds in all, of evaluations, of
 /// factorizations and solves, and of everything else; `start` are those of a run without iterations, analysis of the
 /// pattern included.
-fn run(stated: Stated, times: usize) {
-    let name = stated.name;
-    let mut problem = Timed::new(stated.problem);
+fn run(text: &str, times: usize) {
+    let read = solver_support::read_problems(text).remove(0);
+    let name = read.name.clone();
+    let mut problem = Timed::new(read);
     let mut settings = Settings::default();
     settings.maximum_iterations = 1000;
     settings.maximum_seconds = 120.0;
@@ -97,18 +96,15 @@ fn nonlinear_programs(only: Option<&str>, times: usize) {
     println!("{HEADING}");
     for (name, make) in problems::problems() {
         if only.is_none_or(|only| only == name) {
-            run(make(), times);
+            run(&make(), times);
         }
     }
 }
 
 fn write_texts(directory: &str) {
-    for (_, make) in problems::problems() {
-        let mut stated = make();
-        let mut read = solver_support::read_problems(&stated.text).remove(0);
-        agreement::assert_same(&mut stated.problem, &mut read);
-        let path = std::path::Path::new(directory).join(format!("{}.txt", stated.name));
-        match std::fs::write(&path, &stated.text) {
+    for (name, make) in problems::problems() {
+        let path = std::path::Path::new(directory).join(format!("{name}.txt"));
+        match std::fs::write(&path, make()) {
             Ok(()) => println!("{}", path.display()),
             Err(error) => eprintln!("{}: {error}", path.display()),
         }
@@ -118,10 +114,10 @@ fn write_texts(directory: &str) {
 fn scaling() {
     println!("{HEADING}");
     for intervals in [4_000, 8_000, 16_000, 32_000, 66_000] {
-        run(problems::van_der_pol("van_der_pol", intervals), 3);
+        run(&problems::van_der_pol("van_der_pol", intervals), 3);
     }
     for unknowns in [12_500, 25_000, 50_000, 100_000, 200_000] {
-        run(problems::banded(unknowns), 3);
+        run(&problems::banded(unknowns), 3);
     }
 }
 

@@ -50,18 +50,6 @@ pub(crate) enum Fault {
         /// Columns of the matrix.
         columns: usize,
     },
-    /// A term of an [`super::ElementProblem`] names a variable or a row that does not exist.
-    #[error(
-        "a term names {what} {index}, but there are {count}; use the indices that the builder returned"
-    )]
-    Element {
-        /// `variable` or `row`.
-        what: &'static str,
-        /// The index named.
-        index: usize,
-        /// How many there are.
-        count: usize,
-    },
     /// Multipliers or a point of the wrong length were given for a warm start.
     #[error("warm start: expected {expected} entries of {what}, got {found}")]
     WarmStart {

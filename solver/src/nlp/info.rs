@@ -15,26 +15,7 @@
 /// | `alpha_du`, `alpha_pr` | dual and primal step length, with the letter of the acceptance |
 /// | `ls`, `fa` | trial points, factorizations |
 ///
-/// # Examples
-/// The log of a run as it happens, here into a buffer:
-///
-/// ```
-/// use hangtime_solver::nlp::{self, ElementProblemBuilder, IterationInfo, Settings, Target};
-///
-/// let mut builder = ElementProblemBuilder::new();
-/// let x = builder.variable(1.0, f64::INFINITY, 3.0);
-/// builder.linear(Target::Objective, 1.0, x);
-/// let mut problem = builder.build()?;
-/// let mut log = vec![IterationInfo::HEADING.to_owned()];
-/// let mut observer = |info: &IterationInfo| {
-///     log.push(info.to_string());
-///     true
-/// };
-/// let solution = nlp::solve_from(&mut problem, &Settings::default(), None, Some(&mut observer))?;
-/// assert!(solution.status.is_solved());
-/// assert_eq!(log.len(), 1 + solution.history.len());
-/// # Ok::<(), nlp::InputError>(())
-/// ```
+/// [`solve_from`](super::solve_from) has an observer that sees them as they are made.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct IterationInfo {

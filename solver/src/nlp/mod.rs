@@ -31,7 +31,6 @@
 
 mod cone;
 mod derivative_check;
-mod elements;
 mod error;
 mod info;
 mod kkt;
@@ -56,11 +55,8 @@ mod warm_start;
 pub use crate::InputError;
 pub use crate::until::Interrupt;
 pub use derivative_check::{DerivativeEntry, check_derivatives};
-pub use elements::{Element, ElementProblem, ElementProblemBuilder, Target};
 pub(crate) use error::Fault;
 pub use info::{IterationInfo, Observer};
-/// The number type that [`Element::evaluate`] is generic over.
-pub use num_dual::DualNum;
 pub use pattern::Pattern;
 pub use problem::NlpProblem;
 pub use settings::Settings;

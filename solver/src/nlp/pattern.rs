@@ -7,7 +7,7 @@ use std::collections::HashMap;
 /// ```
 /// use hangtime_solver::nlp::Pattern;
 ///
-/// // Two elements share the entry (1, 1).
+/// // Two additions share the entry (1, 1).
 /// let pattern = Pattern::new(&[(0, 0), (1, 1), (1, 1), (2, 2)]);
 /// assert_eq!(pattern.entries, [(0, 0), (1, 1), (2, 2)]);
 /// assert_eq!(pattern.places, [0, 1, 1, 2]);

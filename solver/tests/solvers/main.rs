@@ -9,7 +9,6 @@ mod nl_certificates;
 mod nl_files;
 mod nl_texts;
 mod nl_unbounded;
-mod nlp_elements;
 mod nlp_hock_schittkowski;
 mod nlp_interrupt;
 mod nlp_second_round;

@@ -27,138 +27,51 @@ pub struct Structure {
     pub fields: Vec<Entry>,
 }
 
-/// A part of a page: what it is about, and the enumeration or the structures of one source file that it lists.
-struct Part {
-    title: &'static str,
-    file: &'static str,
-    /// The names of the types, and of the functions that make parts of documents.
-    types: &'static [&'static str],
-}
-
-const fn part(title: &'static str, file: &'static str, types: &'static [&'static str]) -> Part {
-    Part { title, file, types }
-}
-
-/// Where statuses and other words of results are declared.
-const STATUSES: [Part; 8] = [
-    part(
+/// Where statuses and other words of results are declared: titles, files and enumerations.
+const STATUSES: [[&str; 3]; 8] = [
+    [
         "Simulations",
         "runtime/src/simulation/result.rs",
-        &["SimulationStatus"],
-    ),
-    part(
-        "Optimal control",
-        "runtime/src/ocp/solution.rs",
-        &["Status"],
-    ),
-    part(
-        "Estimation",
-        "runtime/src/estimation/result.rs",
-        &["Status"],
-    ),
-    part(
-        "Programs from files",
-        "solver/src/nl/solution.rs",
-        &["Status"],
-    ),
-    part("Runs that are stopped", "cli/src/ending.rs", &["Stop"]),
-    part(
+        "SimulationStatus",
+    ],
+    ["Optimal control", "runtime/src/ocp/solution.rs", "Status"],
+    ["Estimation", "runtime/src/estimation/result.rs", "Status"],
+    ["Programs from files", "solver/src/nl/solution.rs", "Status"],
+    ["Runs that are stopped", "cli/src/ending.rs", "Stop"],
+    [
         "Certificates of optima",
         "solver/src/mpcc/stationarity.rs",
-        &["Stationarity"],
-    ),
-    part(
+        "Stationarity",
+    ],
+    [
         "Second derivatives at a solution",
         "solver/src/nl/second_order.rs",
-        &["SecondOrder"],
-    ),
-    part("Events", "runtime/src/simulation/result.rs", &["EventKind"]),
+        "SecondOrder",
+    ],
+    ["Events", "runtime/src/simulation/result.rs", "EventKind"],
 ];
 
-/// Where the documents that `--json` prints are declared, a document or a part of documents each.
-const DOCUMENTS: [Part; 14] = [
-    part(
-        "Simulations",
-        "cli/src/json/simulation.rs",
-        &["simulation_document"],
-    ),
-    part(
-        "Method of a simulation",
-        "cli/src/method.rs",
-        &["MethodSettings"],
-    ),
-    part(
-        "Optimal control",
-        "cli/src/json/solution.rs",
-        &[
-            "solution_document",
-            "SolverSettings",
-            "counts",
-            "gradient",
-            "time_freezing",
-        ],
-    ),
-    part(
-        "What a search found",
-        "runtime/src/ocp/solution.rs",
-        &[
-            "Optimum",
-            "Improvement",
-            "Excess",
-            "Margin",
-            "RelaxedReport",
-            "WordCounts",
-        ],
-    ),
-    part(
-        "Estimation",
-        "cli/src/json/estimate.rs",
-        &[
-            "estimate_document",
-            "parameter",
-            "knowledge",
-            "direction",
-            "experiment",
-        ],
-    ),
-    part(
+/// Where the documents that `--json` prints are declared: titles, and files of structures that are written and of functions that name
+/// fields.
+const DOCUMENTS: [[&str; 2]; 15] = [
+    ["Simulations", "cli/src/json/simulation.rs"],
+    ["Method of a simulation", "cli/src/method.rs"],
+    ["Optimal control", "cli/src/json/solution.rs"],
+    ["What a search found", "runtime/src/ocp/solution.rs"],
+    ["Estimation", "cli/src/json/estimate.rs"],
+    [
         "Where searches of an estimation ended",
         "runtime/src/estimation/result.rs",
-        &["LocalFit"],
-    ),
-    part(
-        "Programs from files",
-        "cli/src/json/program.rs",
-        &["program_document"],
-    ),
-    part(
-        "Gradients",
-        "cli/src/json/gradient.rs",
-        &["gradient", "side", "range", "end"],
-    ),
-    part("Joints", "cli/src/json/joints.rs", &["joints"]),
-    part(
-        "What documents have in common",
-        "cli/src/json/parts.rs",
-        &[
-            "begun",
-            "told",
-            "event",
-            "parts",
-            "instants",
-            "columns",
-            "initially",
-            "found",
-        ],
-    ),
-    part("Residuals", "solver/src/nlp/solution.rs", &["Residuals"]),
-    part("Sizes", "solver/src/problem_size.rs", &["ProblemSize"]),
-    part(
-        "Work of a simulation",
-        "runtime/src/simulation/result.rs",
-        &["Counts"],
-    ),
-    part("CPU times", "solver/src/seconds.rs", &["Seconds"]),
+    ],
+    ["Programs from files", "cli/src/json/program.rs"],
+    ["Gradients", "cli/src/json/gradient.rs"],
+    ["Ranges of gradients", "runtime/src/derivative/ranges.rs"],
+    ["Joints", "cli/src/json/joints.rs"],
+    ["What documents have in common", "cli/src/json/parts.rs"],
+    ["Residuals", "solver/src/nlp/solution.rs"],
+    ["Sizes", "solver/src/problem_size.rs"],
+    ["Work of a simulation", "runtime/src/simulation/result.rs"],
+    ["CPU times", "solver/src/seconds.rs"],
 ];
 
 /// The text of a generated chapter, by its file; `None` if there is no such chapter.
@@ -178,39 +91,44 @@ pub(crate) fn chapter(file: &str, root: &Path) -> Result<Option<String>> {
     }
 }
 
-/// All words of results with their meaning, as (title of the part, entries).
+/// All words of results with their meaning, as (title of the part, entries); variants with the same name are one entry.
 ///
 /// # Errors
 /// As of chapters that are generated: a name without documentation.
 pub fn words_of_results(root: &Path) -> Result<Vec<(&'static str, Vec<Entry>)>> {
-    let parts = STATUSES.iter().map(|part| {
-        let source = fs::read_to_string(root.join(part.file))?;
-        let mut entries = Vec::new();
-        for name in part.types {
-            entries.extend(
-                variants(&source, name)
-                    .map_err(|said| Error::other(format!("{}: {said}", part.file)))?,
-            );
+    let parts = STATUSES.iter().map(|[title, file, name]| {
+        let source = fs::read_to_string(root.join(file))?;
+        let mut entries: Vec<Entry> = Vec::new();
+        let wanted = |kind: &str, item: &str| kind == "enum" && item == *name;
+        let variants = items(file, &source, wanted)?.into_iter();
+        for Entry {
+            name: variant,
+            text,
+        } in variants.flat_map(|item| item.1.fields)
+        {
+            let shown = shown_name(&source, name, &variant)
+                .ok_or_else(|| Error::other(format!("{file}: `{name}::{variant}` has no name")))?;
+            match entries.iter_mut().find(|entry| entry.name == shown) {
+                Some(entry) => entry.text += &format!(" {text}"),
+                None => entries.push(Entry { name: shown, text }),
+            }
         }
-        Ok((part.title, entries))
+        Ok((*title, entries))
     });
     parts.collect()
 }
 
-/// All fields of documents with their meaning, as (title of the part, structures with their fields).
+/// All fields of documents with their meaning, as (title of the part, structures with their fields), whole documents first.
 ///
 /// # Errors
 /// As of chapters that are generated: a field without documentation.
 pub fn fields_of_documents(root: &Path) -> Result<Vec<(&'static str, Vec<Structure>)>> {
-    let parts = DOCUMENTS.iter().map(|part| {
-        let source = fs::read_to_string(root.join(part.file))?;
-        let mut structures = Vec::new();
-        for name in part.types {
-            let found = fields(&source, name)
-                .map_err(|said| Error::other(format!("{}: {said}", part.file)))?;
-            structures.push(found);
-        }
-        Ok((part.title, structures))
+    let parts = DOCUMENTS.iter().map(|[title, file]| {
+        let source = fs::read_to_string(root.join(file))?;
+        let mut items = items(file, &source, |kind, _| ["struct", "fn"].contains(&kind))?;
+        items.retain(|(_, item)| !item.fields.is_empty());
+        items.sort_by_key(|(name, _)| !name.ends_with("_document"));
+        Ok((*title, items.into_iter().map(|item| item.1).collect()))
     });
     parts.collect()
 }
@@ -286,46 +204,6 @@ fn push_table(text: &mut String, heading: &str, entries: &[Entry]) {
     }
 }
 
-/// The body of an item that begins with `heading`, and the documentation before it.
-fn body<'s>(source: &'s str, heading: &str) -> std::result::Result<(String, &'s str), String> {
-    let starts = source.match_indices(heading).map(|(at, _)| at);
-    // The whole name: what follows is no letter.
-    let mut starts = starts.filter(|at| {
-        !source[at + heading.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_')
-    });
-    let start = starts
-        .next()
-        .ok_or_else(|| format!("there is no `{heading}`"))?;
-    let (before, from) = source.split_at(start);
-    let open = from.find('{').ok_or("no body")?;
-    let end = from.find("\n}").ok_or("no end")?;
-    let mut lines: Vec<&str> = before.lines().collect();
-    // The line in which the item begins, `pub(crate) `, belongs to it.
-    if !before.ends_with('\n') {
-        lines.pop();
-    }
-    let above = lines.iter().rev().take_while(|line| {
-        let line = line.trim_start();
-        line.starts_with("///") || line.starts_with("#[") || line.starts_with("// ")
-    });
-    let mut above: Vec<&&str> = above.collect();
-    above.reverse();
-    Ok((
-        documentation(above.into_iter().copied()),
-        &from[open + 1..end],
-    ))
-}
-
-/// What doc comments among lines say, without links into the code.
-fn documentation<'s>(lines: impl Iterator<Item = &'s str>) -> String {
-    let said = lines.filter_map(|line| line.trim_start().strip_prefix("///"));
-    let words: Vec<&str> = said
-        .map(str::trim)
-        .filter(|line| !line.is_empty())
-        .collect();
-    plain(&words.join(" "))
-}
-
 /// A link `[`X`](path)` or `[`X`]` as its words.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
@@ -353,40 +231,6 @@ fn plain(text: &str) -> String {
     plain + &rest
 }
 
-/// The variants of an enumeration by the names that its function `name` gives them; variants with the same name are one entry.
-fn variants(source: &str, name: &str) -> std::result::Result<Vec<Entry>, String> {
-    let (_, body) = body(source, &format!("enum {name}"))?;
-    let mut entries: Vec<Entry> = Vec::new();
-    let mut above: Vec<&str> = Vec::new();
-    for line in body.lines() {
-        let code = line.trim_start();
-        let variant: &str = code
-            .split(|c: char| !c.is_alphanumeric())
-            .next()
-            .unwrap_or("");
-        if code.starts_with("///")
-            || code.starts_with("#[")
-            || !variant.starts_with(char::is_uppercase)
-        {
-            above.push(line);
-            continue;
-        }
-        let text = documentation(above.drain(..));
-        if text.is_empty() {
-            return Err(format!("`{name}::{variant}` has no documentation"));
-        }
-        let shown = shown_name(source, name, variant)
-            .ok_or_else(|| format!("`{name}::{variant}` has no name"))?;
-        match entries.iter_mut().find(|entry| entry.name == shown) {
-            Some(entry) => {
-                let _ = write!(entry.text, " {text}");
-            }
-            None => entries.push(Entry { name: shown, text }),
-        }
-    }
-    Ok(entries)
-}
-
 /// The text that the function `name` of an enumeration has for a variant.
 fn shown_name(source: &str, name: &str, variant: &str) -> Option<String> {
     let from = source.find(&format!("impl {name} {{"))?;
@@ -402,73 +246,93 @@ fn shown_name(source: &str, name: &str, variant: &str) -> Option<String> {
     Some(text.to_owned())
 }
 
-/// What a function makes of a document, and the fields that it names, each with what the comment above it says.
-fn built(source: &str, name: &str) -> std::result::Result<Structure, String> {
-    let (about, body) = body(source, &format!("fn {name}"))?;
-    let mut fields: Vec<Entry> = Vec::new();
-    let mut above: Vec<&str> = Vec::new();
-    for line in body.lines().map(str::trim_start) {
-        if let Some(said) = line.strip_prefix("// ") {
-            above.push(said);
-            continue;
+/// The kind and the name of the item that begins in a line.
+fn heading(line: &str) -> Option<(&str, &str)> {
+    let words = match line.strip_prefix("pub") {
+        Some(rest) => rest.split_once(' ')?.1,
+        None => line,
+    };
+    let (kind, rest) = words.split_once(' ')?;
+    let mut words = rest.split(|c: char| !c.is_alphanumeric() && c != '_');
+    Some((kind, words.next()?))
+}
+
+/// The field of a document that a line of an item of this `kind` names, below these `attributes` and a comment, or the variant.
+fn field<'s>(line: &'s str, kind: &str, attributes: &'s str, commented: bool) -> Option<&'s str> {
+    match kind {
+        "struct" if !attributes.contains("serde(skip)") => {
+            let renamed = attributes.split_once("rename = \"").map(|(_, name)| name);
+            let declared = line.split_once(": ")?.0.rsplit(' ').next();
+            renamed.and_then(|name| name.split('"').next()).or(declared)
         }
-        let calls = [".with(\"", ".some(\"", ".list(\""].into_iter();
-        let mut called = calls.filter_map(|call| Some(line.split_once(call)?.1));
-        let named = called.next().or_else(|| line.strip_prefix("(\""));
-        let field = named.and_then(|named| named.split('"').next());
-        let text = plain(&std::mem::take(&mut above).join(" "));
-        match field {
-            Some(field) if text.is_empty() => {
-                return Err(format!("`{field}` of `{name}` has no documentation"));
-            }
-            Some(field) if fields.iter().all(|known| known.name != field) => fields.push(Entry {
-                name: field.to_owned(),
-                text,
-            }),
-            _ => {}
+        "enum" if line.starts_with(char::is_uppercase) => {
+            line.split(|c: char| !c.is_alphanumeric()).next()
         }
-    }
-    match about.is_empty() {
-        true => Err(format!("`{name}` has no documentation")),
-        false => Ok(Structure { about, fields }),
+        "fn" => {
+            let calls = [".with(\"", ".some(\"", ".list(\""].into_iter();
+            let mut called = calls.filter_map(|call| Some(line.split_once(call)?.1));
+            let row = || line.strip_prefix("(\"").filter(|_| commented);
+            called.next().or_else(row)?.split('"').next()
+        }
+        _ => None,
     }
 }
 
-/// What a structure is, and its fields as documents name them.
-fn fields(source: &str, name: &str) -> std::result::Result<Structure, String> {
-    if name.starts_with(char::is_lowercase) {
-        return built(source, name);
-    }
-    let (about, body) = body(source, &format!("struct {name}"))?;
-    let mut fields = Vec::new();
-    let mut above: Vec<&str> = Vec::new();
-    for line in body.lines() {
+/// The items of a source that are `wanted` by kind and name, with the fields that documents get from each, or its variants: structures that
+/// are written, enumerations, and functions that name fields, in a comment above each what it is.
+fn items<'s>(
+    file: &str,
+    source: &'s str,
+    wanted: impl Fn(&str, &str) -> bool,
+) -> Result<Vec<(&'s str, Structure)>> {
+    let source = source.split("#[cfg(test)]").next().unwrap_or(source);
+    let mut items: Vec<(&str, Structure)> = Vec::new();
+    let (mut above, mut attributes, mut kind) = (Vec::new(), String::new(), "");
+    for line in source.lines() {
         let code = line.trim_start();
-        let declared = code
-            .split_once(": ")
-            .filter(|_| !code.starts_with("//") && !code.starts_with("#["));
-        let Some((field, _)) = declared else {
-            above.push(line);
+        if code.starts_with("//") {
+            above.push(code);
             continue;
+        }
+        if code.starts_with("#[") {
+            attributes.push_str(code);
+            continue;
+        }
+        let begun = heading(code).filter(|(kind, name)| wanted(kind, name));
+        let marks = if begun.is_none() && kind == "fn" {
+            "// "
+        } else {
+            "///"
         };
-        let skipped = above.iter().any(|line| line.contains("serde(skip)"));
-        let renamed = above
-            .iter()
-            .find_map(|line| line.split_once("rename = \"")?.1.split('"').next());
-        let field = renamed
-            .unwrap_or_else(|| field.rsplit(' ').next().unwrap_or(field))
-            .to_owned();
-        let text = documentation(above.drain(..));
-        if skipped {
-            continue;
+        let said = above.drain(..);
+        let said = said.filter_map(|line: &str| Some(line.strip_prefix(marks)?.trim()));
+        let said: Vec<&str> = said.filter(|line| !line.is_empty()).collect();
+        let text = plain(&said.join(" "));
+        let attributes = std::mem::take(&mut attributes);
+        if let Some((of_kind, name)) = begun {
+            let written = of_kind != "struct" || attributes.contains("Serialize");
+            kind = if written { of_kind } else { "" };
+            let fields = Vec::new();
+            items.push((
+                name,
+                Structure {
+                    about: text,
+                    fields,
+                },
+            ));
+        } else if line.starts_with('}') {
+            kind = "";
+        } else if let Some(name) = field(code, kind, &attributes, !text.is_empty())
+            && let Some((item, known)) = items.last_mut()
+            && known.fields.iter().all(|field| field.name != name)
+        {
+            if text.is_empty() || known.about.is_empty() {
+                let said = format!("{file}: `{item}` or its `{name}` has no documentation");
+                return Err(Error::other(said));
+            }
+            let name = name.to_owned();
+            known.fields.push(Entry { name, text });
         }
-        if text.is_empty() {
-            return Err(format!("`{name}.{field}` has no documentation"));
-        }
-        fields.push(Entry { name: field, text });
     }
-    if about.is_empty() {
-        return Err(format!("`{name}` has no documentation"));
-    }
-    Ok(Structure { about, fields })
+    Ok(items)
 }

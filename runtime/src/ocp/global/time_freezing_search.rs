@@ -91,7 +91,7 @@ pub(in crate::ocp) fn candidate(
             led_to_motion: true,
         },
         iterations: solution.iterations,
-        size: ProblemSize::of(&program, program.complementarities().len()),
+        size: ProblemSize::of(&program),
         seconds: elapsed(clock),
     };
     let near = match solution.status {
@@ -146,7 +146,6 @@ pub(in crate::ocp) fn solve_exactly(
             complementarity: largest_product(&program, &solution.x),
             ..solution.residuals
         };
-        report.size = ProblemSize::of(&program, program.complementarities().len());
         report.left_out = left_out(&program);
     }
     report.seconds += elapsed(clock);

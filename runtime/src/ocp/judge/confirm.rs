@@ -413,7 +413,7 @@ pub(in crate::ocp) fn confirm(
         elements: elements.to_vec(),
         previous: Some(Previous::new(trajectory.clone(), sequence.clone())),
         motion: Some(replay),
-        size: ProblemSize::of(&program.program, 0),
+        size: ProblemSize::of(&program.program),
         seconds: runner.seconds,
         ..Solution::without_motion(status, solution.violations.clone(), runner.counts)
     })

@@ -9,6 +9,7 @@ use super::switch::Switch;
 use crate::contact::edge::Zeros;
 use crate::contact::{Balance, ContactState, Touching, View, find};
 use crate::fesd::contacts::ModeError;
+use crate::fesd::finite_element::size::size;
 use crate::fesd::finite_element::{FiniteElement, State};
 use crate::model::{ImpactLaw, Model};
 use crate::rk::ButcherTableau;
@@ -229,6 +230,9 @@ impl<'a> Driver<'a> {
         let residuals = &mut self.record.verdict.residuals;
         residuals.primal = residuals.primal.max(self.element.residual_norm);
         self.record.counts.elements += 1;
+        if self.element.variables() > self.record.size.variables {
+            self.record.size = size(&mut self.element);
+        }
         self.evaluate_state()?;
         self.record_state();
         Ok(())

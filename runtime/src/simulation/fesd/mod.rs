@@ -41,7 +41,7 @@ mod stop;
 mod switch;
 
 pub use settings::{Fesd, StepFormulation};
-pub use size::step_sizes;
+pub use size::{FormulationSize, step_sizes};
 
 use super::hand_over::{self, Other};
 use super::joints::Closed;

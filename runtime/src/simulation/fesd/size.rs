@@ -3,15 +3,28 @@
 use super::settings::{Fesd, StepFormulation};
 use crate::contact::{ActiveContact, ContactState};
 use crate::fesd::finite_element::size::size;
-use crate::fesd::finite_element::{FiniteElement, State};
-use crate::model::{ControlPiece, Model, friction_coefficients};
+use crate::fesd::finite_element::{FiniteElement, State, newton};
+use crate::model::{ContactDeclaration, ControlPiece, Model, friction_coefficients};
 use crate::simulation::joints::Closed;
-use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
+use crate::simulation::{InitialValueProblem, InputError, ProblemSize};
+use serde::Serialize;
 
 /// How far from the start, relative to a coordinate and at least absolute, and multiples that fill the interval from 0 to 1 evenly. Chosen:
 /// far above rounding.
 const BESIDE: f64 = 1e-3;
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
+
+/// The size of one formulation of a scene.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct FormulationSize {
+    /// Which formulation.
+    pub formulation: String,
+    /// On which grid.
+    pub discretization: String,
+    /// How much.
+    pub size: ProblemSize,
+}
 
 /// The sizes of the systems that `method` solves on the way over `problem`: an element in free flight, one for each
 /// contact that holds (and slips or sticks where it rubs), and one where all hold.
@@ -53,30 +66,35 @@ pub fn step_sizes(
     let (model, problem) = closed.scene();
     let declaration = model.declaration();
     let friction = friction_coefficients(model);
-    let held = |contact, state| ActiveContact { contact, state };
-    let resting = |i: usize| {
-        let known = declaration.contacts[i].friction;
-        let across = known.is_some_and(|known| known.across.is_some());
-        match friction[i] > 0.0 {
-            true => held(i, ContactState::sticking(across)),
-            false => held(i, ContactState::Frictionless),
-        }
+    let resting = |(contact, declared): (usize, &ContactDeclaration)| {
+        let across = declared.friction.and_then(|friction| friction.across);
+        let state = match friction[contact] > 0.0 {
+            true => ContactState::sticking(across.is_some()),
+            false => ContactState::Frictionless,
+        };
+        ActiveContact { contact, state }
     };
-    let contacts = declaration.contacts.iter().enumerate();
+    let contacts = declaration.contacts;
+    let resting: Vec<ActiveContact> = contacts.iter().enumerate().map(resting).collect();
     let mut modes = vec![("free flight".to_owned(), Vec::new())];
-    for (i, contact) in contacts {
-        let name = contact.name;
-        if friction[i] > 0.0 {
-            let slips = vec![held(i, ContactState::slip(1.0))];
-            modes.push((format!("`{name}` slips"), slips));
-            modes.push((format!("`{name}` sticks"), vec![resting(i)]));
-        } else {
-            modes.push((format!("`{name}` holds"), vec![resting(i)]));
+    for (held, ContactDeclaration { name, .. }) in resting.iter().zip(contacts) {
+        let mut mode = |how, state| {
+            let contact = held.contact;
+            modes.push((
+                format!("`{name}` {how}"),
+                vec![ActiveContact { contact, state }],
+            ));
+        };
+        if held.state.rubs() {
+            mode("slips", ContactState::slip(1.0));
         }
+        mode(
+            if held.state.rubs() { "sticks" } else { "holds" },
+            held.state,
+        );
     }
-    if declaration.contacts.len() > 1 {
-        let all = (0..declaration.contacts.len()).map(resting).collect();
-        modes.push(("all contacts hold".to_owned(), all));
+    if resting.len() > 1 {
+        modes.push(("all contacts hold".to_owned(), resting));
     }
     let numerical = method.formulation == StepFormulation::TimeFreezing;
     let time = match numerical {
@@ -93,10 +111,12 @@ pub fn step_sizes(
             element = element.in_numerical_time(method.auxiliary_acceleration);
         }
         element.set_mode(&active);
+        // Where there is no such motion the first matrix is that of its stages.
+        let _ = newton::solve(&mut element, &start, length, &controls);
         FormulationSize {
             formulation: format!("simulation, {time}, {name}"),
             discretization: format!("{}, {} stages", method.scheme.name(), tableau.stages()),
-            size: size(&mut element, &start, (length, &controls)),
+            size: size(&mut element),
         }
     });
     Ok(sizes.collect())

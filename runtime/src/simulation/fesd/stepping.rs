@@ -14,7 +14,7 @@ use crate::run::rest::BURST;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::MOMENT;
 use crate::simulation::watch::Watch;
-use crate::simulation::{EventKind, ProblemSize, Seconds, Simulation, SimulationStatus};
+use crate::simulation::{EventKind, Seconds, Simulation, SimulationStatus};
 use crate::simulation::{accumulation, agreement};
 
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
@@ -191,7 +191,6 @@ pub(super) struct Step {
     /// Switches of a burst, and its begin \[s\].
     switches: usize,
     pub(super) burst: f64,
-    size: ProblemSize,
 }
 
 impl Step {
@@ -206,7 +205,6 @@ impl Step {
             counted_from: begin,
             switches: 0,
             burst: begin,
-            size: ProblemSize::default(),
         }
     }
 
@@ -262,9 +260,6 @@ fn advance(
     driver.now.state.time = end;
     if let Some(time) = driver.record.trajectory.time.last_mut() {
         *time = end;
-    }
-    if step.size.variables > driver.record.size.variables {
-        driver.record.size = step.size;
     }
     Ok(())
 }
@@ -425,7 +420,6 @@ fn segment(
         driver.accept_element()?;
     }
     let Some((switch, count)) = violation else {
-        add_size(driver, elements, false, &mut step.size);
         return Ok(Segment::Completed);
     };
     driver.return_to_start();
@@ -443,25 +437,6 @@ fn segment(
             return Err(stop);
         }
     };
-    add_size(driver, count, true, &mut step.size);
     mode_change::carry_out(driver, located.function)?;
     Ok(Segment::Switched)
-}
-
-/// Size of the step's system: stage unknowns and one length an element.
-fn add_size(driver: &Driver<'_>, elements: usize, switched: bool, size: &mut ProblemSize) {
-    let stages = driver.setup.tableau.stages();
-    let unknowns = elements * driver.element.variables();
-    let block = driver.element.variables() / stages;
-    let cones =
-        (0..driver.setup.contacts().len()).filter(|&i| driver.now.contacts.friction(i) > 0.0);
-    // One condition on the force or the gap of each contact, one on friction or sliding velocity.
-    let conditions = driver.setup.contacts().len() + cones.count();
-    size.variables += unknowns + elements;
-    // Equal lengths but one, which the end of the segment or the switch condition determines.
-    size.equalities += unknowns + elements;
-    size.inequalities += elements * stages * conditions;
-    size.complementarities += elements * conditions;
-    size.jacobian_nonzeros +=
-        elements * stages * stages * block * block + elements + usize::from(switched);
 }

@@ -1,24 +1,14 @@
-//! Scalable nonlinear programs, stated twice side by side: as elements, which is what is solved here, and as text, so
-//! that another solver can read the very same ones. `main.rs` compares the two before it measures.
+//! Scalable nonlinear programs, stated as text, so that another solver can read the very same ones.
 
 mod chained;
 mod control;
 mod grid;
 mod network;
 
-use hangtime_solver::nlp::{Element, ElementProblem, ElementProblemBuilder, Target};
-
 pub(crate) use chained::banded;
 pub(crate) use control::van_der_pol;
 
 const INF: f64 = f64::INFINITY;
-
-/// A problem in both forms.
-pub(crate) struct Stated {
-    pub(crate) name: String,
-    pub(crate) text: String,
-    pub(crate) problem: ElementProblem,
-}
 
 /// A problem under construction.
 struct Statement {
@@ -27,7 +17,6 @@ struct Statement {
     start: Vec<f64>,
     minimize: Vec<String>,
     rows: Vec<(f64, f64, String)>,
-    builder: ElementProblemBuilder,
 }
 
 impl Statement {
@@ -38,56 +27,29 @@ impl Statement {
             start: Vec::new(),
             minimize: Vec::new(),
             rows: Vec::new(),
-            builder: ElementProblemBuilder::new(),
         }
     }
 
     fn variable(&mut self, lower: f64, upper: f64, start: f64) -> usize {
         self.bounds.push((lower, upper));
         self.start.push(start);
-        self.builder.variable(lower, upper, start)
+        self.start.len() - 1
     }
 
-    /// A row with its text; its terms are added to what is returned.
-    fn row(&mut self, lower: f64, upper: f64, text: String) -> Target {
+    fn row(&mut self, lower: f64, upper: f64, text: String) {
         self.rows.push((lower, upper, text));
-        Target::Row(self.builder.row(lower, upper))
     }
 
-    fn equality(&mut self, text: String) -> Target {
-        self.row(0.0, 0.0, text)
+    fn equality(&mut self, text: String) {
+        self.row(0.0, 0.0, text);
     }
 
-    /// A term of the objective with its text.
-    fn minimize<E: Element<N, 1>, const N: usize>(
-        &mut self,
-        text: String,
-        element: E,
-        variables: [usize; N],
-    ) {
+    /// A term of the objective.
+    fn minimize(&mut self, text: String) {
         self.minimize.push(text);
-        self.add(Target::Objective, 1.0, element, variables);
     }
 
-    /// Adds `coefficient element(variables)` to a target whose text says so.
-    fn add<E: Element<N, 1>, const N: usize>(
-        &mut self,
-        target: Target,
-        coefficient: f64,
-        element: E,
-        variables: [usize; N],
-    ) {
-        self.builder
-            .element(element, variables, [&[(target, coefficient)]]);
-    }
-
-    fn linear(&mut self, target: Target, terms: &[(f64, usize)]) {
-        for &(coefficient, variable) in terms {
-            self.builder.linear(target, coefficient, variable);
-        }
-    }
-
-    fn finish(self) -> Stated {
+    fn finish(self) -> String {
         let mut lines = vec![
             format!("problem {} {}", self.name, self.start.len()),
             format!(
@@ -110,11 +72,7 @@ impl Statement {
                 .iter()
                 .map(|(lower, upper, row)| format!("row {lower} {upper} {row}")),
         );
-        Stated {
-            name: self.name,
-            text: lines.join("\n") + "\n",
-            problem: self.builder.build().expect("indices of the builder"),
-        }
+        lines.join("\n") + "\n"
     }
 }
 
@@ -134,10 +92,10 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// A problem's name, and how to build it.
-type Named = (&'static str, fn() -> Stated);
+/// A problem's name, and how to state it.
+type Named = (&'static str, fn() -> String);
 
-/// The problems of the comparison, by name, built one at a time.
+/// The problems of the comparison, by name, stated one at a time.
 pub(crate) fn problems() -> Vec<Named> {
     vec![
         ("lukvle1", || chained::luksan_vlcek_1(5000, false)),
