@@ -1,119 +1,65 @@
-//! Scalable nonlinear programs, stated twice side by side: as elements, which is what is solved here, and as text, so
-//! that another solver can read the very same ones. `main.rs` compares the two before it measures.
+//! Scalable nonlinear programs as texts, so that another solver can read the very same ones.
 
 mod chained;
 mod control;
 mod grid;
 mod network;
 
-use hangtime_solver::nlp::{Element, ElementProblem, ElementProblemBuilder, Target};
-
 pub(crate) use chained::banded;
 pub(crate) use control::van_der_pol;
 
 const INF: f64 = f64::INFINITY;
 
-/// A problem in both forms.
+/// A problem and its name.
 pub(crate) struct Stated {
     pub(crate) name: String,
     pub(crate) text: String,
-    pub(crate) problem: ElementProblem,
 }
 
 /// A problem under construction.
+#[derive(Default)]
 struct Statement {
     name: String,
-    bounds: Vec<(f64, f64)>,
-    start: Vec<f64>,
-    minimize: Vec<String>,
-    rows: Vec<(f64, f64, String)>,
-    builder: ElementProblemBuilder,
+    start: Vec<String>,
+    /// Lines of bounds, terms of the objective and rows.
+    lines: Vec<String>,
 }
 
 impl Statement {
     fn new(name: &str) -> Self {
         Self {
             name: name.to_owned(),
-            bounds: Vec::new(),
-            start: Vec::new(),
-            minimize: Vec::new(),
-            rows: Vec::new(),
-            builder: ElementProblemBuilder::new(),
+            ..Self::default()
         }
     }
 
     fn variable(&mut self, lower: f64, upper: f64, start: f64) -> usize {
-        self.bounds.push((lower, upper));
-        self.start.push(start);
-        self.builder.variable(lower, upper, start)
-    }
-
-    /// A row with its text; its terms are added to what is returned.
-    fn row(&mut self, lower: f64, upper: f64, text: String) -> Target {
-        self.rows.push((lower, upper, text));
-        Target::Row(self.builder.row(lower, upper))
-    }
-
-    fn equality(&mut self, text: String) -> Target {
-        self.row(0.0, 0.0, text)
-    }
-
-    /// A term of the objective with its text.
-    fn minimize<E: Element<N, 1>, const N: usize>(
-        &mut self,
-        text: String,
-        element: E,
-        variables: [usize; N],
-    ) {
-        self.minimize.push(text);
-        self.add(Target::Objective, 1.0, element, variables);
-    }
-
-    /// Adds `coefficient element(variables)` to a target whose text says so.
-    fn add<E: Element<N, 1>, const N: usize>(
-        &mut self,
-        target: Target,
-        coefficient: f64,
-        element: E,
-        variables: [usize; N],
-    ) {
-        self.builder
-            .element(element, variables, [&[(target, coefficient)]]);
-    }
-
-    fn linear(&mut self, target: Target, terms: &[(f64, usize)]) {
-        for &(coefficient, variable) in terms {
-            self.builder.linear(target, coefficient, variable);
+        self.start.push(start.to_string());
+        let number = self.start.len();
+        if lower.is_finite() || upper.is_finite() {
+            self.lines.push(format!("bounds {number} {lower} {upper}"));
         }
+        number - 1
+    }
+
+    fn row(&mut self, lower: f64, upper: f64, text: String) {
+        self.lines.push(format!("row {lower} {upper} {text}"));
+    }
+
+    fn equality(&mut self, text: String) {
+        self.row(0.0, 0.0, text);
+    }
+
+    fn minimize(&mut self, text: String) {
+        self.lines.push(format!("minimize {text}"));
     }
 
     fn finish(self) -> Stated {
-        let mut lines = vec![
-            format!("problem {} {}", self.name, self.start.len()),
-            format!(
-                "start {}",
-                self.start
-                    .iter()
-                    .map(f64::to_string)
-                    .collect::<Vec<_>>()
-                    .join(" ")
-            ),
-        ];
-        for (k, (lower, upper)) in self.bounds.iter().enumerate() {
-            if lower.is_finite() || upper.is_finite() {
-                lines.push(format!("bounds {} {lower} {upper}", k + 1));
-            }
-        }
-        lines.extend(self.minimize.iter().map(|term| format!("minimize {term}")));
-        lines.extend(
-            self.rows
-                .iter()
-                .map(|(lower, upper, row)| format!("row {lower} {upper} {row}")),
-        );
+        let (count, start) = (self.start.len(), self.start.join(" "));
+        let heading = format!("problem {} {count}\nstart {start}\n", self.name);
         Stated {
             name: self.name,
-            text: lines.join("\n") + "\n",
-            problem: self.builder.build().expect("indices of the builder"),
+            text: heading + &self.lines.join("\n") + "\n",
         }
     }
 }
