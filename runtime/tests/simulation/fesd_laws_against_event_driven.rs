@@ -3,7 +3,7 @@
 
 use crate::common::event::run;
 use crate::common::laws::{Feet, Ground, Rod};
-use crate::common::{check_energy, distance, last, same_in_every_run, start};
+use crate::common::{check_energy, distance, last, pushed, same_in_every_run, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -29,7 +29,7 @@ fn distinct_events(simulation: &Simulation) -> usize {
 
 /// Same events at the same times and the same end, up to `tolerance` relative to the growth of small
 /// differences from impact to impact.
-fn agree(
+pub(crate) fn agree(
     model: &dyn Model,
     problem: &InitialValueProblem,
     tolerance: f64,
@@ -147,13 +147,7 @@ proptest! {
         forces in prop::collection::vec(-12.0..12.0, 6),
     ) {
         let model = Ground { mu: friction, ..ground.clone() };
-        let problem = InitialValueProblem {
-            controls: ControlSignal::PiecewiseConstant {
-                times: (0..6).map(|k| 0.25 * f64::from(k)).collect(),
-                values: forces.into_iter().map(|force: f64| vec![force]).collect(),
-            },
-            ..start(&[y, ground.height_at(y)], &[0.0, 0.0], 1.5)
-        };
+        let problem = pushed(&forces, start(&[y, ground.height_at(y)], &[0.0, 0.0], 1.5));
         agree(&model, &problem, 1e-9)?;
     }
 

@@ -4,8 +4,8 @@
 //! cargo bench -p hangtime-solver --bench solver -- [nlp [NAME|all [TIMES]]|text DIRECTORY|scaling|mpcc [NAME]]
 //! ```
 //!
-//! `nlp` solves the nonlinear programs, or one of them, the given number of times; `text` writes them to files.
-//! `compare_ipopt.py` beside this file calls both and solves the same programs by IPOPT in the same run.
+//! `nlp` solves the nonlinear programs, or one of them, the given number of times; `text` writes
+//! them as text. `compare_ipopt.py` beside this file calls both and solves the same programs by IPOPT in the same run.
 
 #[path = "../../tests/solver_support/mod.rs"]
 mod solver_support;
@@ -13,13 +13,12 @@ mod solver_support;
 #[path = "../homotopy.rs"]
 mod homotopy;
 mod problems;
-mod timed;
 
 use cpu_time::ThreadTime;
 use hangtime_solver::mpcc;
 use hangtime_solver::nlp::{self, NlpProblem, Settings};
+use problems::Stated;
 use solver_support::TextProblem;
-use timed::Timed;
 
 fn main() {
     let arguments: Vec<String> = std::env::args()
@@ -49,10 +48,9 @@ const HEADING: &str = "problem variables rows status iterations factorizations c
 /// Solves one problem `times` times and prints the line of the fastest run: CPU seconds in all, of evaluations, of
 /// factorizations and solves, and of everything else; `start` are those of a run without iterations, analysis of the
 /// pattern included.
-fn run(text: &str, times: usize) {
-    let read = solver_support::read_problems(text).remove(0);
-    let name = read.name.clone();
-    let mut problem = Timed::new(read);
+fn run(stated: Stated, times: usize) {
+    let name = stated.name;
+    let mut problem = solver_support::read_problems(&stated.text).remove(0);
     let mut settings = Settings::default();
     settings.maximum_iterations = 1000;
     settings.maximum_seconds = 120.0;
@@ -63,7 +61,6 @@ fn run(text: &str, times: usize) {
         let clock = ThreadTime::now();
         let _ = nlp::solve(&mut problem, &without);
         let start = clock.elapsed().as_secs_f64();
-        problem.seconds = 0.0;
         let clock = ThreadTime::now();
         let result = nlp::solve(&mut problem, &settings);
         let seconds = clock.elapsed().as_secs_f64();
@@ -75,9 +72,9 @@ fn run(text: &str, times: usize) {
                 s.status,
                 s.counts.iterations,
                 s.counts.factorizations,
-                problem.seconds,
+                s.cpu.evaluate,
                 s.cpu.factorize + s.cpu.solve,
-                seconds - problem.seconds - s.cpu.factorize - s.cpu.solve,
+                seconds - s.cpu.evaluate - s.cpu.factorize - s.cpu.solve,
                 s.objective,
                 s.residuals.primal
             ),
@@ -96,15 +93,16 @@ fn nonlinear_programs(only: Option<&str>, times: usize) {
     println!("{HEADING}");
     for (name, make) in problems::problems() {
         if only.is_none_or(|only| only == name) {
-            run(&make(), times);
+            run(make(), times);
         }
     }
 }
 
 fn write_texts(directory: &str) {
-    for (name, make) in problems::problems() {
-        let path = std::path::Path::new(directory).join(format!("{name}.txt"));
-        match std::fs::write(&path, make()) {
+    for (_, make) in problems::problems() {
+        let stated = make();
+        let path = std::path::Path::new(directory).join(format!("{}.txt", stated.name));
+        match std::fs::write(&path, &stated.text) {
             Ok(()) => println!("{}", path.display()),
             Err(error) => eprintln!("{}: {error}", path.display()),
         }
@@ -114,10 +112,10 @@ fn write_texts(directory: &str) {
 fn scaling() {
     println!("{HEADING}");
     for intervals in [4_000, 8_000, 16_000, 32_000, 66_000] {
-        run(&problems::van_der_pol("van_der_pol", intervals), 3);
+        run(problems::van_der_pol("van_der_pol", intervals), 3);
     }
     for unknowns in [12_500, 25_000, 50_000, 100_000, 200_000] {
-        run(&problems::banded(unknowns), 3);
+        run(problems::banded(unknowns), 3);
     }
 }
 

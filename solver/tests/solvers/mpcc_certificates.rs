@@ -7,8 +7,8 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use hangtime_solver::mpcc::{self, Mpcc, Settings, Status};
-use hangtime_solver::nlp::NlpProblem;
+use crate::mpcc_problems::deciding;
+use hangtime_solver::mpcc::{self, Settings, Status};
 
 /// A problem whose first sides are proposed by the test.
 #[derive(Debug, Clone)]
@@ -27,103 +27,34 @@ struct Planted {
 
 impl Planted {
     /// `x` first, then `u`, then `s`.
-    fn size(&self) -> usize {
-        self.target.len()
-    }
-
-    /// `A u` less the targets.
-    fn errors(&self, z: &[f64]) -> Vec<f64> {
-        let u = &z[self.size()..2 * self.size()];
-        let product = |row: &Vec<f64>| -> f64 { row.iter().zip(u).map(|(a, u)| a * u).sum() };
-        let rows = self.map.iter().zip(&self.target);
-        rows.map(|(row, t)| product(row) - t).collect()
-    }
-}
-
-impl NlpProblem for Planted {
-    fn variables(&self) -> usize {
-        2 * self.size() + 1
-    }
-    fn constraints(&self) -> usize {
-        self.size()
-    }
-    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        let n = self.size();
-        lower.fill(f64::NEG_INFINITY);
-        upper.fill(f64::INFINITY);
-        lower[..n].fill(0.0);
-        upper[..n].copy_from_slice(&self.upper);
-        lower[2 * n] = 0.0;
-    }
-    fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        lower.fill(0.0);
-        upper.fill(0.0);
-    }
-    fn initial_point(&self, x: &mut [f64]) {
-        x.fill(1.0);
-    }
-    fn objective(&mut self, z: &[f64]) -> f64 {
-        let errors = self.errors(z);
-        let terms = errors.iter().zip(&self.curvature);
-        terms.map(|(e, h)| 0.5 * h * e * e).sum::<f64>() + self.weight * z[2 * self.size()]
-    }
-    fn gradient(&mut self, z: &[f64], gradient: &mut [f64]) {
-        let n = self.size();
-        gradient.fill(0.0);
-        for (k, error) in self.errors(z).into_iter().enumerate() {
-            for (g, a) in gradient[n..2 * n].iter_mut().zip(&self.map[k]) {
-                *g += self.curvature[k] * error * a;
-            }
+    fn solve(&self) -> mpcc::Solution {
+        let n = self.target.len();
+        let mut text = format!(
+            "problem planted {0}\nstart {1}\n",
+            2 * n + 1,
+            "1 ".repeat(2 * n + 1)
+        );
+        text += &format!(
+            "bounds {0} 0 inf\nminimize {1}*x{0}\n",
+            2 * n + 1,
+            self.weight
+        );
+        for k in 0..n {
+            let terms = self.map[k].iter().zip(n + 1..);
+            let terms: Vec<String> = terms.map(|(a, u)| format!("{a}*x{u}")).collect();
+            let (x, mapped) = (k + 1, terms.join(" + "));
+            let (h, t) = (self.curvature[k], self.target[k]);
+            text += &format!(
+                "bounds {x} 0 {}\nrow 0 0 x{x} - ({mapped})\n",
+                self.upper[k]
+            );
+            text += &format!("minimize 0.5*{h}*({mapped} - {t})^2\n");
         }
-        gradient[2 * n] = self.weight;
-    }
-    fn constraint_values(&mut self, z: &[f64], c: &mut [f64]) {
-        let errors = self.errors(z);
-        for (k, c) in c.iter_mut().enumerate() {
-            *c = z[k] - errors[k] - self.target[k];
+        for (i, j) in &self.pairs {
+            text += &format!("pair {} {}\n", i + 1, j + 1);
         }
-    }
-    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-        let n = self.size();
-        let row = |k: usize| std::iter::once((k, k)).chain((n..2 * n).map(move |j| (k, j)));
-        (0..n).flat_map(row).collect()
-    }
-    fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) {
-        let n = self.size();
-        for (row, values) in self.map.iter().zip(values.chunks_exact_mut(n + 1)) {
-            values[0] = 1.0;
-            for (value, a) in values[1..].iter_mut().zip(row) {
-                *value = -a;
-            }
-        }
-    }
-    fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-        let n = self.size();
-        let row = |i: usize| (0..=i).map(move |j| (n + i, n + j));
-        (0..n).flat_map(row).collect()
-    }
-    fn hessian_values(&mut self, _: &[f64], weight: f64, _: &[f64], values: &mut [f64]) {
-        let n = self.size();
-        let mut place = 0;
-        for i in 0..n {
-            for j in 0..=i {
-                let terms = self.map.iter().zip(&self.curvature);
-                values[place] = weight * terms.map(|(row, h)| h * row[i] * row[j]).sum::<f64>();
-                place += 1;
-            }
-        }
-    }
-}
-
-impl Mpcc for Planted {
-    fn complementarities(&self) -> &[(usize, usize)] {
-        &self.pairs
-    }
-    fn vanishing_sides(&self, _: &[f64], vanishes: &mut [bool]) -> bool {
-        for &side in &self.proposed {
-            vanishes[side] = true;
-        }
-        true
+        let mut problem = deciding(&text, self.proposed.clone());
+        mpcc::solve(&mut problem, &Settings::default()).unwrap()
     }
 }
 
@@ -199,12 +130,12 @@ fn solve_random_problems_with_planted_sides_certifies_local_solutions_only() {
     let mut planted = 0;
     for case in 0..400 {
         let scale = generator.choose(&[0.0, 1.0, 1e3, 1e6]);
-        let mut problem = random(&mut generator, 1 + case % 4, scale);
+        let problem = random(&mut generator, 1 + case % 4, scale);
         planted += usize::from(problem.proposed.iter().any(|&side| {
             let other = side ^ 1;
             problem.target[side] > 0.0 && problem.target[other] <= 0.0
         }));
-        let solution = mpcc::solve(&mut problem, &Settings::default()).unwrap();
+        let solution = problem.solve();
         // a side with a zero multiplier ends at sqrt(mu / h), h >= 0.1 and mu = 1e-10 at most, in an objective that is
         // scaled by 100 / scale
         let accuracy = 3.0 * (1e-10 * (scale / 100.0).max(1.0) / 0.1).sqrt();
@@ -243,8 +174,8 @@ fn one_pair(target: [f64; 2], curvature: [f64; 2], upper: f64, scale: f64) -> Pl
 fn solve_descent_towards_an_infinite_bound_is_found() {
     // with the first side at zero the point (0, 0) has multipliers (-2.1, 1.2), and descends to (0.7, 0)
     for upper in [f64::INFINITY, 1e20, 1e6, 50.0] {
-        let mut problem = one_pair([0.7, -0.4], [3.0, 3.0], upper, 0.5);
-        let solution = mpcc::solve(&mut problem, &Settings::default()).unwrap();
+        let problem = one_pair([0.7, -0.4], [3.0, 3.0], upper, 0.5);
+        let solution = problem.solve();
         assert_eq!(solution.status, Status::Solved, "{upper}");
         assert!((solution.x[0] - 0.7).abs() < 1e-7 && solution.x[1] == 0.0);
     }
@@ -254,8 +185,8 @@ fn solve_descent_towards_an_infinite_bound_is_found() {
 fn solve_side_with_zero_multiplier_is_biactive_and_left() {
     // the second side goes to zero with sqrt(mu): 1e-6 to 1e-3 with these curvatures
     for curvature in [1e-5, 1e-2, 7.0] {
-        let mut problem = one_pair([0.6, 0.0], [2.0, curvature], f64::INFINITY, 0.0);
-        let solution = mpcc::solve(&mut problem, &Settings::default()).unwrap();
+        let problem = one_pair([0.6, 0.0], [2.0, curvature], f64::INFINITY, 0.0);
+        let solution = problem.solve();
         assert_eq!(solution.status, Status::Solved, "{curvature}");
         assert!((solution.x[0] - 0.6).abs() < 1e-7, "{:?}", solution.x);
         assert_eq!(solution.x[1], 0.0);
@@ -265,8 +196,8 @@ fn solve_side_with_zero_multiplier_is_biactive_and_left() {
 #[test]
 fn solve_small_positive_side_is_not_taken_for_zero() {
     // (0, 2e-4) is a local solution: the first side may not leave zero before the second has gone there, uphill
-    let mut problem = one_pair([0.6, 2e-4], [2.0, 40.0], f64::INFINITY, 0.0);
-    let solution = mpcc::solve(&mut problem, &Settings::default()).unwrap();
+    let problem = one_pair([0.6, 2e-4], [2.0, 40.0], f64::INFINITY, 0.0);
+    let solution = problem.solve();
     assert_eq!(solution.status, Status::Solved);
     assert!(
         is_local_solution(&problem, &solution.x, 1e-7),
@@ -278,8 +209,8 @@ fn solve_small_positive_side_is_not_taken_for_zero() {
 #[test]
 fn solve_descent_beside_a_steep_variable_is_found() {
     // a gradient of 1e7 elsewhere does not make a descent of 0.5 small
-    let mut problem = one_pair([0.5, -0.5], [1.0, 1.0], f64::INFINITY, 1e7);
-    let solution = mpcc::solve(&mut problem, &Settings::default()).unwrap();
+    let problem = one_pair([0.5, -0.5], [1.0, 1.0], f64::INFINITY, 1e7);
+    let solution = problem.solve();
     assert!(
         solution.status != Status::Solved || is_local_solution(&problem, &solution.x, 1e-6),
         "{:?} {:?}",

@@ -7,8 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use hangtime_solver::mpcc::{self, Mpcc};
-use hangtime_solver::nlp::{self, Interrupt, NlpProblem, Settings, Status};
+use crate::solver_support::{Asked, Watched, read_problems};
+use hangtime_solver::mpcc;
+use hangtime_solver::nlp::{self, Interrupt, Settings, Status};
 
 /// What happens in the middle of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,9 +24,9 @@ enum Event {
     Nothing,
 }
 
-/// `min sum_i (x_i - i)^4 + (x_i - i)^2 + x_0 x_1` where `x_0` and `x_1` complement each other if asked as such.
-struct Program {
-    event: Event,
+/// What was seen of a run.
+#[derive(Default)]
+struct Seen {
     asked: Arc<AtomicBool>,
     hessians: usize,
     /// Evaluations of the objective after the event, and the point of the last second derivatives.
@@ -33,99 +34,49 @@ struct Program {
     point: Vec<f64>,
 }
 
-const SIZE: usize = 6;
 /// Second derivatives at which it happens.
 const THIRD: usize = 3;
 
-impl Program {
-    fn new(event: Event) -> Self {
-        Self {
-            event,
-            asked: Arc::default(),
-            hessians: 0,
-            after: 0,
-            point: Vec::new(),
+/// `min sum_i (x_i - i)^4 + (x_i - i)^2 + x_0 x_1` where `x_0` and `x_1` complement each other if asked as such.
+fn program(event: Event, seen: &mut Seen) -> Watched<impl FnMut(Asked, &[f64], &mut [f64])> {
+    let mut text = "problem p 6\nstart 9 9 9 9 9 9\nminimize x1*x2\npair 1 2\n".to_owned();
+    for (i, x) in (0..6).zip(1..) {
+        text += &format!("bounds {x} 0 inf\nminimize (x{x} - {i})^4 + (x{x} - {i})^2\n");
+    }
+    let watch = move |asked, x: &[f64], values: &mut [f64]| {
+        if asked == Asked::Hessian {
+            seen.hessians += 1;
+            seen.point = x.to_vec();
         }
-    }
-
-    fn has_happened(&self) -> bool {
-        self.hessians >= THIRD
-    }
-}
-
-impl NlpProblem for Program {
-    fn variables(&self) -> usize {
-        SIZE
-    }
-    fn constraints(&self) -> usize {
-        0
-    }
-    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        lower.fill(0.0);
-        upper.fill(f64::INFINITY);
-    }
-    fn constraint_bounds(&self, _: &mut [f64], _: &mut [f64]) {}
-    fn initial_point(&self, x: &mut [f64]) {
-        x.fill(9.0);
-    }
-    fn objective(&mut self, x: &[f64]) -> f64 {
-        if self.has_happened() {
-            self.after += 1;
-            if self.event == Event::AskedAtTrial {
-                self.asked.store(true, Ordering::Relaxed);
-                return f64::NAN;
+        if seen.hessians < THIRD {
+            return;
+        }
+        match (asked, event) {
+            (Asked::Hessian, Event::AskedBeforeFactors) => {
+                seen.asked.store(true, Ordering::Relaxed)
             }
-        }
-        let terms = x.iter().enumerate().map(|(i, x)| {
-            let d = x - i as f64;
-            d.powi(4) + d * d
-        });
-        terms.sum::<f64>() + x[0] * x[1]
-    }
-    fn gradient(&mut self, x: &[f64], g: &mut [f64]) {
-        for (i, (g, x)) in g.iter_mut().zip(x).enumerate() {
-            let d = x - i as f64;
-            *g = 4.0 * d.powi(3) + 2.0 * d;
-        }
-        g[0] += x[1];
-        g[1] += x[0];
-    }
-    fn constraint_values(&mut self, _: &[f64], _: &mut [f64]) {}
-    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-        Vec::new()
-    }
-    fn jacobian_values(&mut self, _: &[f64], _: &mut [f64]) {}
-    fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-        (0..SIZE).map(|i| (i, i)).chain([(1, 0)]).collect()
-    }
-    fn hessian_values(&mut self, x: &[f64], weight: f64, _: &[f64], values: &mut [f64]) {
-        self.hessians += 1;
-        if self.has_happened() {
-            match self.event {
-                Event::AskedBeforeFactors => self.asked.store(true, Ordering::Relaxed),
-                Event::Slow => thread::sleep(Duration::from_millis(300)),
-                Event::AskedAtTrial | Event::Nothing => {}
+            (Asked::Hessian, Event::Slow) => thread::sleep(Duration::from_millis(300)),
+            (Asked::Objective, _) => {
+                seen.after += 1;
+                if event == Event::AskedAtTrial {
+                    seen.asked.store(true, Ordering::Relaxed);
+                    values[0] = f64::NAN;
+                }
             }
+            _ => {}
         }
-        self.point = x.to_vec();
-        for (i, (value, x)) in values.iter_mut().zip(x).enumerate() {
-            *value = weight * (12.0 * (x - i as f64).powi(2) + 2.0);
-        }
-        values[SIZE] = weight;
-    }
+    };
+    Watched::new(read_problems(&text).remove(0), watch)
 }
 
-impl Mpcc for Program {
-    fn complementarities(&self) -> &[(usize, usize)] {
-        &[(0, 1)]
-    }
-}
-
-fn settings(program: &Program, seconds: f64) -> Settings {
+/// Solves it; what was seen.
+fn solved(event: Event, seconds: f64) -> (nlp::Solution, Seen) {
+    let mut seen = Seen::default();
     let mut settings = Settings::default();
-    settings.interrupt = Interrupt::by(Arc::clone(&program.asked));
+    settings.interrupt = Interrupt::by(Arc::clone(&seen.asked));
     settings.maximum_seconds = seconds;
-    settings
+    let solution = nlp::solve(&mut program(event, &mut seen), &settings).unwrap();
+    (solution, seen)
 }
 
 #[test]
@@ -137,28 +88,25 @@ fn run_ends_within_the_step_at_the_point_before_it() {
         (Event::AskedAtTrial, Status::Interrupted, 2),
         (Event::Slow, Status::TimeLimit, 1),
     ] {
-        let mut program = Program::new(event);
-        let settings = settings(&program, 0.25);
-        let solution = nlp::solve(&mut program, &settings).unwrap();
+        let (solution, seen) = solved(event, 0.25);
         assert_eq!(solution.status, status, "{event:?}");
-        assert_eq!(program.hessians, THIRD, "{event:?}");
-        assert!(program.after <= most, "{event:?}: {}", program.after);
-        assert_eq!(solution.x, program.point, "{event:?}");
+        assert_eq!(seen.hessians, THIRD, "{event:?}");
+        assert!(seen.after <= most, "{event:?}: {}", seen.after);
+        assert_eq!(solution.x, seen.point, "{event:?}");
     }
-    let mut program = Program::new(Event::Nothing);
-    let settings = settings(&program, 60.0);
-    let solution = nlp::solve(&mut program, &settings).unwrap();
-    assert_eq!(solution.status, Status::Solved);
+    assert_eq!(solved(Event::Nothing, 60.0).0.status, Status::Solved);
 }
 
 #[test]
 fn complementarity_solve_ends_with_all_its_runs() {
-    let mut program = Program::new(Event::AskedBeforeFactors);
+    let mut seen = Seen::default();
     let mut settings = mpcc::Settings::default();
-    settings.interior_point.interrupt = Interrupt::by(Arc::clone(&program.asked));
+    settings.interior_point.interrupt = Interrupt::by(Arc::clone(&seen.asked));
+    let mut program = program(Event::AskedBeforeFactors, &mut seen);
     let solution = mpcc::solve(&mut program, &settings).unwrap();
+    drop(program);
     let interrupted = mpcc::Status::Failed(Status::Interrupted);
     assert_eq!(solution.status, interrupted);
-    assert_eq!(program.hessians, THIRD);
+    assert_eq!(seen.hessians, THIRD);
     assert!(solution.x.iter().all(|x| x.is_finite()));
 }

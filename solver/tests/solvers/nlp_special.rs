@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use crate::solver_support::{TextProblem, read_problems};
+use crate::solver_support::{Asked, TextProblem, Watched, read_problems};
 use hangtime_solver::nlp::{self, NlpProblem, Settings, Status, WarmStart};
 
 fn problem(text: &str) -> TextProblem {
@@ -167,7 +167,7 @@ fn solve_multipliers_satisfy_the_optimality_conditions() {
         // multipliers of inequalities have the sign of their active side
         let mut c = vec![0.0; m];
         problem.constraint_values(&solution.x, &mut c);
-        for (row, (lower, upper, _)) in problem.rows.iter().enumerate() {
+        for (row, (lower, upper)) in problem.rows.iter().enumerate() {
             let y = solution.multipliers[row];
             if y < -1e-6 {
                 assert!((c[row] - lower).abs() < 1e-5, "{name} row {row}");
@@ -181,47 +181,13 @@ fn solve_multipliers_satisfy_the_optimality_conditions() {
 
 #[test]
 fn check_derivatives_finds_a_wrong_entry_by_name() {
-    struct Wrong(TextProblem);
-    impl NlpProblem for Wrong {
-        fn variables(&self) -> usize {
-            self.0.variables()
-        }
-        fn constraints(&self) -> usize {
-            self.0.constraints()
-        }
-        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            self.0.variable_bounds(lower, upper);
-        }
-        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            self.0.constraint_bounds(lower, upper);
-        }
-        fn initial_point(&self, x: &mut [f64]) {
-            self.0.initial_point(x);
-        }
-        fn objective(&mut self, x: &[f64]) -> f64 {
-            NlpProblem::objective(&mut self.0, x)
-        }
-        fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-            self.0.gradient(x, gradient);
-        }
-        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            self.0.constraint_values(x, c);
-        }
-        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            self.0.jacobian_pattern()
-        }
-        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-            self.0.jacobian_values(x, values);
+    let watch = |asked, _: &[f64], values: &mut [f64]| {
+        if asked == Asked::Jacobian {
             values[1] += 0.25;
         }
-        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-            self.0.hessian_pattern()
-        }
-        fn hessian_values(&mut self, x: &[f64], weight: f64, y: &[f64], values: &mut [f64]) {
-            self.0.hessian_values(x, weight, y, values);
-        }
-    }
-    let compared = nlp::check_derivatives(&mut Wrong(hock_schittkowski("hs71")), None).unwrap();
+    };
+    let mut wrong = Watched::new(hock_schittkowski("hs71"), watch);
+    let compared = nlp::check_derivatives(&mut wrong, None).unwrap();
     let worst = &compared[0];
     assert_eq!(worst.name, "d c[0] / d x[1]");
     assert!((worst.given - worst.difference - 0.25).abs() < 1e-6);

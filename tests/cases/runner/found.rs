@@ -1,204 +1,136 @@
 //! What a result holds: numbers, states and texts of one run.
 
-use crate::method::Method;
 use crate::prepared::{Prepared, output};
-use crate::run::{Runs, Theirs, event, name_of, own_end};
-use crate::statement::{Expectation, Id, Instant, Left, Side, TextKind, Which};
-use hangtime::derivative::{OneSided, SequenceRange};
-use hangtime::ocp::Solution;
+use crate::run::{Of, Outcome, event, is_one, name_of, own_end};
+use crate::statement::{Expectation, Instant, Left, Side, Text, Which};
+use hangtime::derivative::{OneSided, SequenceLimit, SequenceRange};
+use hangtime::ocp::{OptimumGradient, Solution};
 use hangtime::prelude::*;
 use hangtime_units::Unit;
 
-/// Why an expectation does not hold, and the number that came.
-pub(crate) type Unmet = (String, Option<f64>);
-
-pub(crate) fn because<T>(why: impl Into<String>) -> Result<T, Unmet> {
-    Err((why.into(), None))
+pub(crate) fn because<T>(why: impl Into<String>) -> Result<T, String> {
+    Err(why.into())
 }
 
 /// One result, with what is needed to compare it.
+#[derive(Clone, Copy)]
 pub(crate) struct Found<'a> {
     pub(crate) prepared: &'a Prepared,
     pub(crate) expectation: &'a Expectation,
-    pub(crate) result: Of<'a>,
-    pub(crate) theirs: Option<&'a Theirs>,
-    pub(crate) their_optimum: Option<&'a Solution>,
+    pub(crate) outcome: &'a Outcome,
+    pub(crate) theirs: Option<&'a Outcome>,
 }
 
-#[derive(Clone, Copy)]
-pub(crate) enum Of<'a> {
-    Run(&'a Method, &'a Runs),
-    Solution(&'a Solution),
-}
+impl<'a> Found<'a> {
+    /// The run itself; of a refused one the words.
+    pub(crate) fn whole(&self) -> Result<&'a Of, String> {
+        self.outcome.whole.as_ref().map_err(Clone::clone)
+    }
 
-impl Found<'_> {
     /// The whole motion.
-    pub(crate) fn motion(&self) -> Result<&Simulation, Unmet> {
-        match self.result {
-            Of::Run(_, runs) => runs.whole.as_ref().map_err(|error| (error.clone(), None)),
-            Of::Solution(solution) => match &solution.motion {
-                Some(motion) => Ok(motion),
-                None => because(format!("there is no motion: {}", self.status_shown())),
-            },
-        }
+    pub(crate) fn motion(&self) -> Result<&'a Simulation, String> {
+        let motion = self.whole()?.motion();
+        Ok(motion.ok_or("there is no motion")?)
     }
 
-    pub(crate) fn constant_of(&self, id: Id) -> Result<f64, Unmet> {
-        self.prepared.constant(id).map_err(|why| (why, None))
-    }
-
-    /// The motion that this one is compared with.
-    pub(crate) fn their_motion(&self) -> Result<&Simulation, Unmet> {
-        let optimal = || self.their_optimum.and_then(|their| their.motion.as_ref());
-        let found = self.theirs.map(|theirs| &theirs.whole).or_else(optimal);
-        match found {
-            Some(motion) => Ok(motion),
-            None => because("there is no scene to compare with; a fence `hang like` has one"),
-        }
-    }
-
-    /// A value of the motion that this one is compared with.
-    pub(crate) fn their(&self, id: Id, instant: &Instant) -> Result<f64, Unmet> {
-        let Some(theirs) = self.theirs else {
-            return because("there is no scene to compare with; a fence `hang like` has one");
-        };
-        let time = own_end(self.prepared, instant).map_err(|why| (why, None))?;
-        let run = theirs.until(time);
-        let at_event = |which: &Which| match event(run, which) {
-            Some(index) => Ok(run.events[index].time),
-            None => because(format!("no such event among their\n{}", listed(run))),
-        };
-        let last = run.trajectory.time.last().copied().unwrap_or_default();
-        let state = match instant {
-            Instant::Start => run.at(0.0),
-            Instant::Before(which) => run.just_before(at_event(which)?),
-            Instant::After(which) => run.at(at_event(which)?),
-            Instant::End | Instant::Time(_) | Instant::Always => run.at(last),
-        };
-        match state.ok().and_then(|state| state.get(&output(id))) {
-            Some(value) => Ok(value),
-            None => because("their value is not recorded"),
-        }
+    /// What the scene gave that this one is compared with.
+    pub(crate) fn theirs(&self) -> Result<Self, String> {
+        let words = "there is no scene to compare with; a fence `hang like` has one";
+        let outcome = self.theirs.ok_or(words)?;
+        Ok(Self { outcome, ..*self })
     }
 
     /// The number on the left.
-    pub(crate) fn number(&self, left: &Left, instant: &Instant) -> Result<f64, Unmet> {
+    pub(crate) fn number(&self, left: &Left, instant: &Instant) -> Result<f64, String> {
+        let recorded = |name: &str, shown: &str| {
+            let value = self.state(instant)?.get(name);
+            value.ok_or_else(|| format!("`{shown}` is not recorded"))
+        };
         match left {
             Left::Expression(id, text) => {
-                if let Of::Solution(solution) = self.result
+                if let Of::Optimum(solution) = self.whole()?
                     && let Some(known) = solution.parameters.iter().find(|p| p.name == text)
                 {
                     let unit = known.unit.parse::<Unit>().map_or(1.0, |unit| unit.scale);
                     return Ok(known.value * unit);
                 }
-                let state = self.state(instant)?;
-                match state.get(&output(*id)) {
-                    Some(value) => Ok(value),
-                    None => because(format!("`{text}` is not recorded")),
-                }
+                recorded(&output(*id), text)
             }
-            Left::Named(name) => match self.state(instant)?.get(name) {
-                Some(value) => Ok(value),
-                None => because(format!("`{name}` is not recorded")),
-            },
+            Left::Named(name) => recorded(name, name),
             Left::Fact(name) => self.fact(name),
             Left::Count(which) => {
                 let events = self.motion()?.events.iter();
-                let counted = events.filter(|event| {
-                    which.as_ref().is_none_or(|which| {
-                        let name = which.name.as_deref();
-                        event.kind == which.kind && name.is_none_or(|n| n == event.contact_name)
-                    })
-                });
-                Ok(counted.count() as f64)
+                Ok(events.filter(|event| is_one(event, which)).count() as f64)
             }
-            Left::Derivative(of, by, side) => self.derivative(of, by, *side, instant),
+            Left::Derivative(of, by, side) => match self.whole()? {
+                Of::Motion(_) => self.derivative(of, by, *side, instant),
+                Of::Optimum(solution) => of_optimum(solution, of, by, *side),
+            },
             Left::EventTime(from, to) => {
                 let from = from.as_ref().map_or(Ok(0.0), |from| self.time_of(from))?;
                 Ok(self.time_of(to)? - from)
             }
+            Left::Limit(text) => match self.limit(text)? {
+                Some(limit) => Ok(limit.change),
+                None => because("nothing ends it"),
+            },
         }
     }
 
-    pub(crate) fn time_of(&self, which: &Which) -> Result<f64, Unmet> {
+    fn time_of(&self, which: &Which) -> Result<f64, String> {
         let motion = self.motion()?;
-        match event(motion, which) {
-            Some(index) => Ok(motion.events[index].time),
-            None => because(format!("no such event among\n{}", listed(motion))),
-        }
+        let index = event(motion, which).ok_or("there is no such event")?;
+        Ok(motion.events[index].time)
     }
 
     /// The state at an instant.
-    pub(crate) fn state(&self, instant: &Instant) -> Result<State, Unmet> {
-        let motion = self.motion()?;
-        let end = |motion: &Simulation| {
-            let last = motion.trajectory.time.last().copied();
-            motion.at(last.unwrap_or_default())
-        };
+    fn state(&self, instant: &Instant) -> Result<State, String> {
+        let mut motion = self.motion()?;
         let state = match instant {
-            Instant::Start => {
-                motion.at(motion.trajectory.time.first().copied().unwrap_or_default())
-            }
-            Instant::End | Instant::Always => end(motion),
+            Instant::Start => motion.at(motion.trajectory.time.first().copied().unwrap_or(0.0)),
             Instant::Before(which) => motion.just_before(self.time_of(which)?),
             Instant::After(which) => motion.at(self.time_of(which)?),
-            Instant::Time(id) => {
-                let time = own_end(self.prepared, instant).map_err(|why| (why, None))?;
-                match (self.result, time) {
-                    (Of::Run(method, runs), Some(_)) if method.locates() => {
-                        let run = runs.until(time).as_ref();
-                        end(run.map_err(|error| (error.clone(), None))?)
-                    }
-                    _ => motion.at(self.constant_of(*id)?),
+            Instant::End | Instant::Always | Instant::Time(_) => {
+                let time = own_end(self.prepared, instant)?;
+                let ended = time.and_then(|time| self.outcome.until.get(&time.to_bits()));
+                if let Some(ended) = ended {
+                    motion = ended.as_ref().map_err(Clone::clone)?;
                 }
+                let last = motion.trajectory.time.last().copied();
+                let within = time.filter(|_| ended.is_none());
+                motion.at(within.or(last).unwrap_or_default())
             }
         };
-        state.map_err(|error| (error.to_string(), None))
+        state.map_err(|error| error.to_string())
     }
 
-    pub(crate) fn fact(&self, name: &str) -> Result<f64, Unmet> {
-        let known = match self.result {
-            Of::Solution(solution) => of_solution(solution, name),
-            Of::Run(..) => of_motion(self.motion()?, name),
+    pub(crate) fn fact(&self, name: &str) -> Result<f64, String> {
+        let value = match self.whole()? {
+            Of::Motion(run) => of_name(OF_MOTION, name, run),
+            Of::Optimum(found) => of_name(OF_OPTIMUM, name, found),
         };
-        match known {
-            Some(value) => Ok(value),
-            None => because(format!("the result has no `{name}`")),
-        }
+        value.ok_or_else(|| format!("the result has no `{name}`"))
     }
 
-    pub(crate) fn derivative(
+    fn derivative(
         &self,
         of: &Left,
         by: &str,
         side: Option<Side>,
         instant: &Instant,
-    ) -> Result<f64, Unmet> {
-        let unmet = |why: String| (why, None);
-        let runs = match self.result {
-            Of::Run(_, runs) => runs,
-            Of::Solution(solution) => return of_optimum(solution, of, by, side),
-        };
-        let end = own_end(self.prepared, instant).map_err(unmet)?;
-        let both = match runs.gradients(end) {
-            Some(both) => both.as_ref().map_err(|why| unmet(why.clone()))?,
-            None => return because("it was not differentiated"),
-        };
-        let name = name_of(self.prepared, of, &runs.whole).map_err(unmet)?;
+    ) -> Result<f64, String> {
+        let end = own_end(self.prepared, instant)?;
+        let both = self.outcome.gradients.get(&end.map(f64::to_bits));
+        let both = both.ok_or("it was not differentiated")?;
+        let name = name_of(self.prepared, of, self.outcome)?;
         let mut found = Vec::new();
-        for gradient in both {
-            let Some(column) = gradient
-                .with_respect_to
-                .iter()
-                .position(|known| known == by)
-            else {
-                return because(format!("there are no derivatives by `{by}`"));
-            };
+        for gradient in both.as_ref().map_err(Clone::clone)? {
+            let column = column(&gradient.with_respect_to, by)?;
             let rows = match (side, &gradient.one_sided) {
-                (None, _) if gradient.obstacles[column].is_some() => {
-                    return because(gradient.obstacles[column].clone().unwrap_or_default());
+                (None, _) => {
+                    obstructed(&gradient.obstacles[column])?;
+                    gradient.values.iter().map(|known| &known.1).collect()
                 }
-                (None, _) => gradient.values.iter().map(|known| &known.1).collect(),
                 (Some(side), Some(sides)) => rows_of(sides, side),
                 (Some(_), None) => return because("it has derivatives to both sides"),
             };
@@ -217,86 +149,97 @@ impl Found<'_> {
     }
 
     /// Why there are no derivatives by a quantity, and how far it may go until the order of events is another.
-    pub(crate) fn reach(&self, by: &str) -> Result<(&str, Option<&SequenceRange>), Unmet> {
-        let (column, obstacles, ranges) = match self.result {
-            Of::Run(_, runs) => match runs.gradients(None) {
-                Some(Ok([of, _])) => (
-                    of.with_respect_to.iter().position(|known| known == by),
-                    &of.obstacles,
-                    &of.ranges,
-                ),
-                Some(Err(error)) => return because(error.clone()),
-                None => return because("it was not differentiated"),
-            },
-            Of::Solution(solution) => match &solution.gradient {
-                Some(of) => (
-                    of.names.iter().position(|known| *known == by),
-                    &of.obstacles,
-                    &of.ranges,
-                ),
-                None => return because("the optimum has no derivatives"),
-            },
-        };
-        match column {
-            Some(column) => {
-                let obstacle = obstacles[column].as_deref().unwrap_or_default();
-                Ok((obstacle, ranges.get(column)))
+    fn reach(&self, by: &str) -> Result<(&'a str, Option<&'a SequenceRange>), String> {
+        let (column, obstacles, ranges) = match self.whole()? {
+            Of::Motion(_) => {
+                let both = self.outcome.gradients.get(&None);
+                let both = both.ok_or("it was not differentiated")?;
+                let [of, _] = both.as_ref().map_err(Clone::clone)?;
+                (column(&of.with_respect_to, by)?, &of.obstacles, &of.ranges)
             }
-            None => because(format!("there are no derivatives by `{by}`")),
-        }
+            Of::Optimum(solution) => {
+                let of = differentiated(solution)?;
+                (column(&of.names, by)?, &of.obstacles, &of.ranges)
+            }
+        };
+        let obstacle = obstacles[column].as_deref().unwrap_or_default();
+        Ok((obstacle, ranges.get(column)))
     }
 
-    pub(crate) fn status_name(&self) -> &str {
-        match self.result {
-            Of::Run(_, runs) => runs
-                .whole
-                .as_ref()
-                .map_or("refused", |run| run.status.name()),
-            Of::Solution(solution) => solution.status.name(),
-        }
-    }
-
-    pub(crate) fn status_shown(&self) -> String {
-        match self.result {
-            Of::Run(_, runs) => match &runs.whole {
-                Ok(run) => run.status.to_string(),
-                Err(error) => error.clone(),
-            },
-            Of::Solution(solution) => format!(
-                "{}: {}",
-                solution.status.name(),
-                solution.diagnosis().unwrap_or_default()
-            ),
-        }
+    fn limit(&self, text: &Text) -> Result<Option<&'a SequenceLimit>, String> {
+        let range = self.reach(&text.of)?.1;
+        let range = range.ok_or("there are no ranges")?;
+        Ok(match text.kind {
+            "limit above" => range.above.as_ref(),
+            _ => range.below.as_ref(),
+        })
     }
 
     /// A text that the result has.
-    pub(crate) fn text(&self, kind: TextKind) -> Result<String, Unmet> {
-        Ok(match (kind, self.result) {
-            (TextKind::Note, _) => self.motion()?.notes.join("\n"),
-            (TextKind::Warning, _) => self.prepared.scene.warnings().to_owned(),
-            (TextKind::Refusal, _) => return because("it was not refused"),
-            (TextKind::Diagnosis, Of::Solution(solution)) => {
-                solution.diagnosis().unwrap_or_default()
-            }
-            (TextKind::Diagnosis, Of::Run(..)) => {
-                let diagnosis = self.motion()?.status.diagnosis();
-                let contacts = self.motion()?.declaration.contacts;
-                diagnosis.map_or_else(String::new, |known| match known.contact {
+    pub(crate) fn text(&self, text: &Text) -> Result<String, String> {
+        if text.kind == "refusal" {
+            let refusal = self.outcome.whole.as_ref().err().cloned();
+            return Ok(refusal.ok_or("it was not refused")?);
+        }
+        let whole = self.whole()?;
+        Ok(match (text.kind, whole) {
+            ("note", _) => self.motion()?.notes.join("\n"),
+            ("warning", _) => self.prepared.scene.warnings().to_owned(),
+            ("obstacle", _) => self.reach(&text.of)?.0.to_owned(),
+            ("status", Of::Motion(run)) => run.status.name().to_owned(),
+            ("status", Of::Optimum(found)) => found.status.name().to_owned(),
+            ("certificate", Of::Optimum(found)) => found.stationarity.name().to_owned(),
+            ("diagnosis", Of::Optimum(found)) => found.diagnosis().unwrap_or_default(),
+            ("diagnosis", Of::Motion(run)) => {
+                let contacts = run.declaration.contacts;
+                let known = run.status.diagnosis();
+                known.map_or_else(String::new, |known| match known.contact {
                     Some(contact) => format!("{} at {}", known.message, contacts[contact].name),
                     None => known.message.clone(),
                 })
             }
+            ("certificate", _) => return because("only optima have a certificate"),
+            _ => self
+                .limit(text)?
+                .map_or_else(String::new, |limit| limit.because.clone()),
         })
     }
+
+    /// The events of its motion, and its status, a line each.
+    pub(crate) fn listed(&self) -> String {
+        let Ok(whole) = self.whole() else {
+            return String::new();
+        };
+        let events = whole
+            .motion()
+            .map_or(&[][..], |motion| &motion.events)
+            .iter();
+        let events = events.map(|event| {
+            let kind = event.kind.name();
+            format!("\n{kind} {} at {:?}", event.contact_name, event.time)
+        });
+        let status = match whole {
+            Of::Motion(run) => run.status.to_string(),
+            Of::Optimum(found) => found.to_string(),
+        };
+        events.chain(["\n".to_owned(), status]).collect()
+    }
+}
+
+fn column(names: &[impl AsRef<str>], by: &str) -> Result<usize, String> {
+    let column = names.iter().position(|known| known.as_ref() == by);
+    column.ok_or_else(|| format!("there are no derivatives by `{by}`"))
+}
+
+fn obstructed(obstacle: &Option<String>) -> Result<(), String> {
+    obstacle.as_ref().map_or(Ok(()), because)
 }
 
 /// The rows of chosen values to one side; none where all factors of roots are 0.
 fn rows_of(sides: &OneSided, side: Side) -> Vec<&Vec<f64>> {
-    let of = if side.above {
-        &sides.above
-    } else {
-        &sides.below
+    let of = match side.above {
+        true => &sides.above,
+        false => &sides.below,
     };
     match side.root {
         true => of.roots.iter().skip(of.q.len() + of.v.len()).collect(),
@@ -304,102 +247,97 @@ fn rows_of(sides: &OneSided, side: Side) -> Vec<&Vec<f64>> {
     }
 }
 
-fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
-    if let Some(name) = name.strip_prefix("time_freezing.") {
-        let program = solution.time_freezing.as_ref()?;
-        return Some(match name {
-            "objective" => program.objective,
-            "error" => {
-                let apart = (program.objective - solution.objective).abs();
-                apart / solution.objective.abs().max(1.0)
-            }
-            "residuals.primal" => program.residuals.primal,
-            "residuals.complementarity" => program.residuals.complementarity,
-            "left_out" => program.left_out.len() as f64,
-            _ => return None,
-        });
-    }
-    Some(match name {
-        "objective" => solution.objective,
-        "final_time" => solution.horizon,
-        "resimulation_error" => solution.resimulation_error,
-        "resimulated_objective" => solution.resimulated_objective,
-        "least_time" => return solution.least_time,
-        "residuals.primal" => solution.residuals.primal,
-        "residuals.complementarity" => solution.residuals.complementarity,
-        "starts" => solution.starts as f64,
-        "bound" => return solution.bound,
-        "counts.programs" => solution.counts.programs as f64,
-        "counts.iterations" => solution.counts.iterations as f64,
-        "counts.contact_implicit" => solution.counts.global_iterations as f64,
-        // Largest violation between the places where conditions are imposed.
-        "excess" => {
-            let amounts = solution.excess.iter().map(|excess| excess.amount);
-            amounts.fold(0.0, f64::max)
-        }
-        "shortest_time" => solution.final_times.0,
-        "longest_time" => solution.final_times.1,
-        "objective_error" => solution.resimulated_objective - solution.objective,
-        "counts.margins" => solution.margins.len() as f64,
-        // What the distances that the method keeps cost together.
-        "margins" => solution.margins.iter().map(|margin| margin.cost).sum(),
-        "size.variables" => solution.size.variables as f64,
-        _ => return None,
-    })
+/// Numbers of a result by their names.
+type Facts<T> = &'static [(&'static str, fn(&T) -> Option<f64>)];
+
+macro_rules! facts {
+    ($name:ident of $found:ident: $of:ty, $($fact:literal: $value:expr;)*) => {
+        const $name: Facts<$of> = &[$(($fact, |$found| $value.into())),*];
+    };
 }
 
-fn of_motion(run: &Simulation, name: &str) -> Option<f64> {
-    Some(match name {
-        "final_time" => *run.trajectory.time.last()?,
-        "numerical_time" => *run.trajectory.numerical_time.last()?,
-        "error_estimate" => return run.error_estimate,
-        "residuals.primal" => run.residuals.primal,
-        "residuals.dual" => run.residuals.dual,
-        "residuals.complementarity" => run.residuals.complementarity,
-        "counts.elements" => run.counts.elements as f64,
-        "counts.events" => run.counts.events as f64,
-        "counts.evaluations" => run.counts.evaluations as f64,
-        "counts.factorizations" => run.counts.factorizations as f64,
-        "counts.newton" => run.counts.newton as f64,
-        _ => return None,
-    })
+facts! { OF_MOTION of run: Simulation,
+    "final_time": run.trajectory.time.last().copied();
+    "numerical_time": run.trajectory.numerical_time.last().copied();
+    "error_estimate": run.error_estimate;
+    "diagnosed_at": run.status.diagnosis().map(|known| known.time);
+    "residuals.primal": run.residuals.primal;
+    "residuals.dual": run.residuals.dual;
+    "residuals.complementarity": run.residuals.complementarity;
+    "counts.elements": run.counts.elements as f64;
+    "counts.events": run.counts.events as f64;
+    "counts.evaluations": run.counts.evaluations as f64;
+    "counts.newton": run.counts.newton as f64;
+}
+
+facts! { OF_OPTIMUM of found: Solution,
+    "objective": found.objective;
+    "final_time": found.horizon;
+    "bound": found.bound;
+    "least_time": found.least_time;
+    "shortest_time": found.final_times.0;
+    "longest_time": found.final_times.1;
+    "starts": found.starts as f64;
+    "size.variables": found.size.variables as f64;
+    "resimulation_error": found.resimulation_error;
+    "resimulated_objective": found.resimulated_objective;
+    "objective_error": found.resimulated_objective - found.objective;
+    "residuals.primal": found.residuals.primal;
+    "residuals.complementarity": found.residuals.complementarity;
+    "counts.programs": found.counts.programs as f64;
+    "counts.iterations": found.counts.iterations as f64;
+    "counts.contact_implicit": found.counts.global_iterations as f64;
+    "counts.margins": found.margins.len() as f64;
+    // What the distances that the method keeps cost together.
+    "margins": found.margins.iter().map(|margin| margin.cost).sum::<f64>();
+    // Largest violation between the places where conditions are imposed.
+    "excess": found.excess.iter().map(|excess| excess.amount).fold(0.0, f64::max);
+    "time_freezing.objective": found.time_freezing.as_ref()?.objective;
+    "time_freezing.error": {
+        let apart = found.time_freezing.as_ref()?.objective - found.objective;
+        apart.abs() / found.objective.abs().max(1.0)
+    };
+    "time_freezing.residuals.primal": found.time_freezing.as_ref()?.residuals.primal;
+    "time_freezing.residuals.complementarity": found.time_freezing.as_ref()?.residuals.complementarity;
+    "time_freezing.left_out": found.time_freezing.as_ref()?.left_out.len() as f64;
+}
+
+fn of_name<T>(facts: Facts<T>, name: &str, found: &T) -> Option<f64> {
+    facts.iter().find(|known| known.0 == name)?.1(found)
+}
+
+/// The number of a result that has this name.
+pub(crate) fn fact(name: &str) -> Option<&'static str> {
+    let names = OF_OPTIMUM.iter().map(|known| known.0);
+    let mut names = names.chain(OF_MOTION.iter().map(|known| known.0));
+    names.find(|known| *known == name)
+}
+
+fn differentiated(solution: &Solution) -> Result<&OptimumGradient, String> {
+    let gradient = solution.gradient.as_ref();
+    Ok(gradient.ok_or("the optimum has no derivatives")?)
 }
 
 /// A derivative of an optimum.
-fn of_optimum(solution: &Solution, of: &Left, by: &str, side: Option<Side>) -> Result<f64, Unmet> {
-    let Some(gradient) = &solution.gradient else {
-        return because("the optimum has no derivatives");
+fn of_optimum(solution: &Solution, of: &Left, by: &str, side: Option<Side>) -> Result<f64, String> {
+    let gradient = differentiated(solution)?;
+    let column = column(&gradient.names, by)?;
+    let is_objective = match of {
+        Left::Fact("objective") => true,
+        Left::Fact("final_time") => false,
+        _ => return because("of an optimum `objective` and `final_time` are differentiated"),
     };
-    let Some(column) = gradient.names.iter().position(|known| *known == by) else {
-        return because(format!("there are no derivatives by `{by}`"));
-    };
-    if let Some(side) = side {
-        let place = usize::from(side.above);
-        return match (of, &gradient.sides[column]) {
-            (Left::Fact(name), Some(sides)) if name == "objective" => Ok(sides.objective[place]),
-            (_, Some(sides)) => Ok(sides.final_time.map_or(f64::NAN, |both| both[place])),
-            (_, None) => because("it has derivatives to both sides"),
-        };
+    let open = "the final time is open";
+    match (side, &gradient.sides[column]) {
+        (None, _) if is_objective => Ok(gradient.objective[column]),
+        (None, _) => Ok(gradient.final_time[column].ok_or(open)?),
+        (Some(side), Some(sides)) => {
+            let both = match is_objective {
+                true => Some(sides.objective),
+                false => sides.final_time,
+            };
+            Ok(both.ok_or(open)?[usize::from(side.above)])
+        }
+        (Some(_), None) => because("it has derivatives to both sides"),
     }
-    match of {
-        Left::Fact(name) if name == "objective" => Ok(gradient.objective[column]),
-        Left::Fact(name) if name == "final_time" => match gradient.final_time[column] {
-            Some(value) => Ok(value),
-            None => because("the final time is open"),
-        },
-        _ => because("of an optimum `objective` and `final_time` are differentiated"),
-    }
-}
-
-/// The events of a motion, and its status, a line each.
-pub(crate) fn listed(motion: &Simulation) -> String {
-    let events = motion.events.iter().map(|event| {
-        format!(
-            "{} {} at {:?}\n",
-            event.kind.name(),
-            event.contact_name,
-            event.time
-        )
-    });
-    events.chain([motion.status.to_string()]).collect()
 }

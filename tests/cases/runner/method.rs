@@ -1,6 +1,6 @@
 //! Methods by their names.
 
-use crate::setting::Setting;
+use crate::setting::{Setting, count, number};
 use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::prelude::*;
 use hangtime::simulation::StepFormulation;
@@ -14,26 +14,23 @@ pub(crate) struct Method {
 }
 
 /// Names of methods, and whether they locate events.
-const NAMES: [(&str, bool); 8] = [
+const NAMES: [(&str, bool); 7] = [
     ("default", true),
     ("event", true),
     ("fesd", true),
     ("freezing", true),
-    ("complementarity", true),
     ("moreau", false),
     ("smooth", false),
     ("fixed", false),
 ];
 
 impl Method {
-    /// Those that run a case of which nothing else is said.
-    pub(crate) fn usual() -> Vec<Self> {
-        let of = |name| Self {
+    pub(crate) fn of(name: &'static str) -> Self {
+        Self {
             name,
             steps: None,
             elements: None,
-        };
-        vec![of("default"), of("event")]
+        }
     }
 
     /// `NAME`, `NAME(STEPS)`, or `NAME(STEPS, ELEMENTS)`.
@@ -41,10 +38,8 @@ impl Method {
     /// # Errors
     /// Names that no method has.
     pub(crate) fn read(text: &str) -> Result<Self, String> {
-        let (name, numbers) = match text.strip_suffix(')').and_then(|text| text.split_once('(')) {
-            Some((name, numbers)) => (name, numbers),
-            None => (text, ""),
-        };
+        let inner = text.strip_suffix(')').and_then(|text| text.split_once('('));
+        let (name, numbers) = inner.unwrap_or((text, ""));
         let numbers = numbers.split(',').filter(|number| !number.is_empty());
         let numbers: Result<Vec<usize>, _> = numbers.map(|text| text.trim().parse()).collect();
         let known = NAMES.iter().find(|known| known.0 == name.trim());
@@ -70,53 +65,39 @@ impl Method {
 
     /// The simulation by it, with those of the settings that it alone has.
     pub(crate) fn chosen<'a>(&self, run: Simulate<'a>, settings: &[Setting]) -> Simulate<'a> {
-        let rest_velocity = settings.iter().find_map(|setting| match setting {
-            Setting::Rest(speed) => Some(*speed),
-            _ => None,
-        });
-        let width = settings.iter().find_map(|setting| match setting {
-            Setting::Width(width) => Some(*width),
-            _ => None,
-        });
+        let rest_velocity = number(settings, "rest");
+        let auxiliary = number(settings, "auxiliary");
+        let most = count(settings, "events");
         let fesd = |formulation| {
-            let mut fesd = Fesd {
-                elements: self.elements.unwrap_or(Fesd::default().elements),
+            let usual = Fesd::default();
+            Fesd {
+                elements: self.elements.unwrap_or(usual.elements),
+                stages: count(settings, "stages").or(usual.stages),
+                most_events: most.unwrap_or(usual.most_events),
+                auxiliary_acceleration: auxiliary.unwrap_or(usual.auxiliary_acceleration),
                 formulation,
                 rest_velocity,
-                ..Fesd::default()
-            };
-            for setting in settings {
-                match *setting {
-                    Setting::Stages(stages) => fesd.stages = Some(stages),
-                    Setting::Events(most) => fesd.most_events = most,
-                    Setting::Auxiliary(a) => fesd.auxiliary_acceleration = a,
-                    _ => {}
-                }
+                ..usual
             }
-            fesd
         };
         let run = match self.name {
             "event" => {
-                let mut event = EventDriven {
+                let usual = EventDriven::default();
+                run.method(EventDriven {
+                    max_events: most.unwrap_or(usual.max_events),
+                    auxiliary_acceleration: auxiliary.unwrap_or(usual.auxiliary_acceleration),
                     rest_velocity,
-                    ..EventDriven::default()
-                };
-                for setting in settings {
-                    match *setting {
-                        Setting::Events(most) => event.max_events = most,
-                        Setting::Auxiliary(a) => event.auxiliary_acceleration = a,
-                        _ => {}
-                    }
-                }
-                run.method(event)
+                    ..usual
+                })
             }
             "fesd" => run.method(fesd(StepFormulation::ActiveSet)),
             "freezing" => run.method(fesd(StepFormulation::TimeFreezing)),
             "moreau" => run.method(Moreau::default()),
-            "smooth" => run.method(Smooth {
-                width: width.unwrap_or(Smooth::default().width),
-                ..Smooth::default()
-            }),
+            "smooth" => {
+                let usual = Smooth::default();
+                let width = number(settings, "width").unwrap_or(usual.width);
+                run.method(Smooth { width, ..usual })
+            }
             "fixed" => run.method(FixedStep::default()),
             _ => run,
         };

@@ -1,6 +1,6 @@
 //! The scene of a block, with what is expected of it as outputs, so that the language evaluates both.
 
-use crate::block::{Block, Definition, Root};
+use crate::block::{Block, Root};
 use crate::document::Line;
 use crate::setting::Setting;
 use crate::statement::Id;
@@ -48,19 +48,11 @@ impl Prepared {
     /// Derives a scene, gives its parameters their values, and finds the roots.
     pub(crate) fn of(block: &Block) -> Result<Self, Refused> {
         let text = Appended::new(&block.scene, &block.definitions, &block.expressions.own);
-        let mut prepared = Self::read(block, &text)?;
-        prepared.set(block).map_err(Refused::Case)?;
-        let roots = block
-            .definitions
-            .iter()
-            .filter_map(|definition| match definition {
-                Definition::Root(root) => Some(root.clone()),
-                Definition::Text(_) => None,
-            });
-        prepared.roots = roots.collect();
-        let file = &block.file;
+        let mut prepared = Self::read(&block.file, text, block.roots.clone())?;
+        let set = prepared.set(&block.settings);
+        set.map_err(Refused::Case)?;
         let found = prepared.find_roots();
-        found.map_err(|why| Refused::Case(format!("{file}: {why}")))?;
+        found.map_err(|why| Refused::Case(format!("{}: {why}", block.file)))?;
         Ok(prepared)
     }
 
@@ -70,7 +62,8 @@ impl Prepared {
             return Ok(None);
         };
         let text = Appended::new(like, &[], &block.expressions.theirs);
-        let mut prepared = Self::read(block, &text).map_err(|refused| match refused {
+        let read = Self::read(&block.file, text, Vec::new());
+        let mut prepared = read.map_err(|refused| match refused {
             Refused::Scene(_, report) => report,
             Refused::Case(why) => why,
         })?;
@@ -85,16 +78,16 @@ impl Prepared {
         Ok(Some(prepared))
     }
 
-    fn read(block: &Block, text: &Appended) -> Result<Self, Refused> {
+    fn read(file: &str, text: Appended, roots: Vec<Root>) -> Result<Self, Refused> {
         let derived = of_text("scene.hang", &text.text);
-        let scene = derived.map_err(|error| text.refused(&block.file, error))?;
+        let scene = derived.map_err(|error| text.refused(file, error))?;
         let outputs = scene.outputs();
         let first = outputs.len() - text.expressions.len();
         let mut prepared = Self {
             units: outputs[first..].iter().map(|o| o.unit.to_owned()).collect(),
-            texts: text.expressions.clone(),
+            texts: text.expressions,
             values: Vec::new(),
-            roots: Vec::new(),
+            roots,
             scene,
         };
         prepared.evaluate();
@@ -107,14 +100,20 @@ impl Prepared {
         self.values = values.split_off(values.len() - self.texts.len());
     }
 
-    fn set(&mut self, block: &Block) -> Result<(), String> {
+    /// The place of a parameter, and its unit.
+    fn parameter(&self, name: &str) -> Result<(usize, &'static str), String> {
         let known = self.scene.declaration().parameters;
+        let index = known.iter().position(|known| known.name == name);
+        let index = index.ok_or_else(|| format!("no parameter `{name}`"))?;
+        Ok((index, known[index].unit))
+    }
+
+    fn set(&mut self, settings: &[Setting]) -> Result<(), String> {
         let mut chosen = Vec::new();
-        for setting in &block.settings {
-            if let Setting::Parameter(name, id) = setting {
-                let index = known.iter().position(|known| known.name == name);
-                let index = index.ok_or_else(|| format!("no parameter `{name}`"))?;
-                chosen.push((index, self.in_unit(*id, known[index].unit)?));
+        for setting in settings {
+            if let Setting::Value("set", name, id) = setting {
+                let (index, unit) = self.parameter(name)?;
+                chosen.push((index, self.in_unit(*id, unit)?));
             }
         }
         for (index, value) in chosen {
@@ -139,7 +138,8 @@ impl Prepared {
     /// The same in a unit; a number without one is in it.
     pub(crate) fn in_unit(&self, id: Id, unit: &str) -> Result<f64, String> {
         let value = self.constant(id)?;
-        if self.is_bare(id) || unit.is_empty() {
+        let is_bare = self.texts[id].parse::<f64>().is_ok();
+        if is_bare || unit.is_empty() {
             return Ok(value);
         }
         let unit: Unit = unit.parse().map_err(|error| format!("{error}"))?;
@@ -147,20 +147,16 @@ impl Prepared {
         Ok(value / unit.scale)
     }
 
-    fn is_bare(&self, id: Id) -> bool {
-        self.texts[id].parse::<f64>().is_ok()
-    }
-
     /// Refuses an expression whose unit is another one; what has none is in SI units.
     pub(crate) fn same_unit(&self, id: Id, unit: &str) -> Result<(), String> {
         let own = &self.units[id];
         let parsed = |text: &str| text.parse::<Unit>().ok();
-        let bare = parsed(own).is_none_or(Unit::is_dimensionless);
-        if bare
-            || parsed(own)
-                .zip(parsed(unit))
-                .is_some_and(|(own, unit)| own.same_dimension(unit))
-        {
+        let same = match (parsed(own), parsed(unit)) {
+            (Some(own), _) if own.is_dimensionless() => true,
+            (Some(own), Some(unit)) => own.same_dimension(unit),
+            (own, _) => own.is_none(),
+        };
+        if same {
             return Ok(());
         }
         Err(format!(
@@ -179,21 +175,11 @@ impl Prepared {
         self.units.iter().any(|unit| !unit.is_empty())
     }
 
-    fn find_roots(&mut self) -> Result<(), String> {
-        for root in self.roots.clone() {
-            self.root(&root)?;
-        }
-        Ok(())
-    }
-
     /// The derivative of what hangs on parameters alone by one of them: central differences of two distances, from which what
     /// grows with the square of the distance is taken out.
     pub(crate) fn derived(&self, id: Id, name: &str) -> Result<f64, String> {
-        let mut parameters = self.scene.declaration().parameters.iter();
-        let index = parameters.position(|known| known.name == name);
-        let index = index.ok_or_else(|| format!("no parameter `{name}`"))?;
+        let (index, unit) = self.parameter(name)?;
         let value = self.scene.parameter(index);
-        let unit = self.scene.declaration().parameters[index].unit;
         let scale = unit.parse::<Unit>().map_or(1.0, |unit| unit.scale);
         let difference = |distance: f64| -> Result<f64, String> {
             let at = |value: f64| {
@@ -210,34 +196,34 @@ impl Prepared {
         Ok((4.0 * near - far) / 3.0)
     }
 
-    fn root(&mut self, root: &Root) -> Result<(), String> {
-        let parameters = self.scene.declaration().parameters;
-        let index = parameters.iter().position(|known| known.name == root.name);
-        let index = index.ok_or("the root is no parameter")?;
-        let unit = parameters[index].unit;
-        let ends = [root.between.0, root.between.1].map(|id| self.in_unit(id, unit));
-        let [mut low, mut high] = [ends[0].clone()?, ends[1].clone()?];
-        let (below, above) = (self.at(index, low, root), self.at(index, high, root));
-        if below.is_nan() || above.is_nan() || (below > 0.0) == (above > 0.0) {
-            return Err(format!(
-                "`{}` has no change of sign: {below} and {above}",
-                self.texts[root.vanishes]
-            ));
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            match (self.at(index, middle, root) > 0.0) == (below > 0.0) {
-                true => low = middle,
-                false => high = middle,
+    fn find_roots(&mut self) -> Result<(), String> {
+        for root in self.roots.clone() {
+            let (index, unit) = self.parameter(&root.name)?;
+            let ends = root.between.map(|id| self.in_unit(id, unit));
+            let [mut low, mut high] = [ends[0].clone()?, ends[1].clone()?];
+            let begins = self.is_above(&root, index, low)?;
+            if begins == self.is_above(&root, index, high)? {
+                return Err(format!(
+                    "`{}` has no change of sign",
+                    self.texts[root.vanishes]
+                ));
+            }
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                match self.is_above(&root, index, middle)? == begins {
+                    true => low = middle,
+                    false => high = middle,
+                }
             }
         }
         Ok(())
     }
 
-    fn at(&mut self, parameter: usize, value: f64, root: &Root) -> f64 {
+    /// Whether the left side of a root is the larger one at a value.
+    fn is_above(&mut self, root: &Root, parameter: usize, value: f64) -> Result<bool, String> {
         self.scene.set_parameter(parameter, value);
         self.evaluate();
-        self.values[root.vanishes]
+        Ok(self.constant(root.vanishes)? > 0.0)
     }
 }
 
@@ -252,29 +238,16 @@ struct Appended {
 }
 
 impl Appended {
-    fn new(scene: &str, definitions: &[Definition], expressions: &[Line]) -> Self {
+    fn new(scene: &str, definitions: &[Line], expressions: &[Line]) -> Self {
         let mut text = scene.to_owned();
         let mut lines = Vec::new();
-        for definition in definitions {
-            match definition {
-                Definition::Text(line) => {
-                    lines.push((text.len(), line.number));
-                    text.push_str(&line.text);
-                }
-                Definition::Root(root) => {
-                    lines.push((text.len(), root.number));
-                    let unit = match root.unit.is_empty() {
-                        true => String::new(),
-                        false => format!(": {}", root.unit),
-                    };
-                    text.push_str(&format!("parameters {{ {}{unit} = 1 }}", root.name));
-                }
-            }
-            text.push('\n');
+        for line in definitions {
+            lines.push((text.len(), line.number));
+            text += &format!("{}\n", line.text);
         }
         for (id, line) in expressions.iter().enumerate() {
             lines.push((text.len(), line.number));
-            text.push_str(&format!("outputs {{ {} = {} }}\n", output(id), line.text));
+            text += &format!("outputs {{ {} = {} }}\n", output(id), line.text);
         }
         Self {
             text,
@@ -289,10 +262,7 @@ impl Appended {
             return Refused::Case(error.to_string());
         };
         let mistakes: Vec<TextMistake> = mistakes.into_iter().filter(|m| !m.warning).collect();
-        if mistakes
-            .iter()
-            .any(|mistake| mistake.place.start < self.scene)
-        {
+        if mistakes.iter().any(|known| known.place.start < self.scene) {
             // As it is refused without what is expected of it.
             return match of_text("scene.hang", &self.text[..self.scene]) {
                 Err(SceneError::Mistakes { mistakes, report }) => Refused::Scene(mistakes, report),
@@ -301,10 +271,8 @@ impl Appended {
             };
         }
         let each = mistakes.iter().map(|mistake| {
-            let before = self
-                .lines
-                .iter()
-                .rfind(|line| line.0 <= mistake.place.start);
+            let mut lines = self.lines.iter();
+            let before = lines.rfind(|line| line.0 <= mistake.place.start);
             let line = before.map_or(0, |line| line.1);
             format!("{file}:{line}: {}", mistake.text())
         });

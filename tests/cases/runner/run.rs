@@ -3,11 +3,13 @@
 use crate::block::Block;
 use crate::method::Method;
 use crate::prepared::{Prepared, Refused, output};
-use crate::setting::{Control, Setting};
-use crate::statement::{Claim, Expectation, Instant, Left, Which};
+use crate::setting::{Control, Setting, count, number};
+use crate::statement::{Claim, Instant, Left, Right, Which};
 use hangtime::derivative::{Gradient, GradientMode};
+use hangtime::model::Declaration;
 use hangtime::ocp::{
-    ControlNodes, Formulation, Guess, Previous, Settings, Solution, TimeFreezingSettings,
+    ControlNodes, ControlShape, Formulation, Guess, Previous, Settings, Solution,
+    TimeFreezingSettings,
 };
 use hangtime::prelude::*;
 use hangtime_scene_files::{TextMistake, TextScene};
@@ -18,57 +20,38 @@ use std::collections::BTreeMap;
 pub(crate) enum Results {
     /// The scene is refused: its mistakes, and the report on them.
     Refused(Vec<TextMistake>, String),
-    Simulated(Prepared, BTreeMap<Method, Runs>, Option<Box<Theirs>>),
-    /// With the optimum of the scene that it is compared with.
-    Solved(
-        Prepared,
-        Result<Box<Solution>, String>,
-        Option<Box<Solution>>,
-    ),
+    /// The scene, what each method found, and what the scene gives that it is compared with.
+    Ran(Prepared, BTreeMap<Method, Outcome>, Option<Outcome>),
 }
 
-/// The motion that a block is compared with.
+/// What was found by one method; of a refused run, with which words.
 #[derive(Debug)]
-pub(crate) struct Theirs {
-    pub(crate) whole: Simulation,
+pub(crate) struct Outcome {
+    pub(crate) whole: Result<Of, String>,
     /// Motions that end at another time, by its bits.
-    until: BTreeMap<u64, Simulation>,
+    pub(crate) until: BTreeMap<u64, Result<Simulation, String>>,
+    /// Derivatives at the end of the whole motion or of another one, forwards and against it.
+    pub(crate) gradients: BTreeMap<Option<u64>, Result<[Gradient; 2], String>>,
 }
 
-impl Theirs {
-    /// The motion until a time, or the whole.
-    pub(crate) fn until(&self, time: Option<f64>) -> &Simulation {
-        let ended = time.and_then(|time| self.until.get(&time.to_bits()));
-        ended.unwrap_or(&self.whole)
+#[derive(Debug)]
+pub(crate) enum Of {
+    Motion(Simulation),
+    Optimum(Box<Solution>),
+}
+
+impl Of {
+    /// The whole motion; an impossible problem has none.
+    pub(crate) fn motion(&self) -> Option<&Simulation> {
+        match self {
+            Self::Motion(motion) => Some(motion),
+            Self::Optimum(solution) => solution.motion.as_ref(),
+        }
     }
 }
 
 /// Tolerance of motions that others are compared with.
 const TIGHT: f64 = 1e-13;
-
-/// The runs by one method; of a refused one, with which words.
-#[derive(Debug)]
-pub(crate) struct Runs {
-    pub(crate) whole: Result<Simulation, String>,
-    /// Motions that end at another time, by its bits.
-    until: BTreeMap<u64, Result<Simulation, String>>,
-    /// Derivatives at the end of the whole motion or of another one, forwards and against it.
-    gradients: BTreeMap<Option<u64>, Result<[Gradient; 2], String>>,
-}
-
-impl Runs {
-    /// The motion until a time, or the whole.
-    pub(crate) fn until(&self, time: Option<f64>) -> &Result<Simulation, String> {
-        match time {
-            Some(time) => self.until.get(&time.to_bits()).unwrap_or(&self.whole),
-            None => &self.whole,
-        }
-    }
-
-    pub(crate) fn gradients(&self, time: Option<f64>) -> Option<&Result<[Gradient; 2], String>> {
-        self.gradients.get(&time.map(f64::to_bits))
-    }
-}
 
 /// Runs a block.
 ///
@@ -80,106 +63,71 @@ pub(crate) fn results(block: &Block) -> Result<Results, String> {
         Err(Refused::Scene(mistakes, report)) => return Ok(Results::Refused(mistakes, report)),
         Err(Refused::Case(why)) => return Err(why),
     };
-    let solves = |setting: &Setting| matches!(setting, Setting::Intervals(_));
-    if block.settings.iter().any(solves) {
-        let solution = solved(block, &prepared, &prepared.scene)?;
-        let theirs = match Prepared::theirs(block, &prepared)? {
-            Some(theirs) => Some(solved(block, &prepared, &theirs.scene)??),
-            None => None,
+    let mut outcomes = BTreeMap::new();
+    for method in block.all_methods() {
+        let found = match block.solves() {
+            true => solved(block, &prepared, &prepared.scene)?,
+            false => simulated(block, &prepared, &method)?,
         };
-        return match theirs {
-            Some(theirs) if !theirs.status.is_solved() => {
-                Err(format!("what it is compared with: {theirs}"))
-            }
-            theirs => Ok(Results::Solved(prepared, solution, theirs)),
-        };
+        outcomes.insert(method, found);
     }
-    let mut runs = BTreeMap::new();
-    for method in methods(block) {
-        let run = simulated(block, &prepared, &method)?;
-        runs.insert(method, run);
+    let theirs = match Prepared::theirs(block, &prepared)? {
+        Some(theirs) if block.solves() => Some(solved(block, &prepared, &theirs.scene)?),
+        Some(theirs) => {
+            let own = outcomes.values().find_map(|own| own.whole.as_ref().ok());
+            Some(their_motion(block, &prepared, &theirs.scene, own)?)
+        }
+        None => None,
+    };
+    let wrong = |why: &dyn std::fmt::Display| Err(format!("what it is compared with: {why}"));
+    match theirs.as_ref().map(|theirs| &theirs.whole) {
+        Some(Err(why)) => wrong(why),
+        Some(Ok(Of::Motion(run))) if !run.status.is_solved() => wrong(&run.status),
+        Some(Ok(Of::Optimum(found))) if !found.status.is_solved() => wrong(found),
+        _ => Ok(Results::Ran(prepared, outcomes, theirs)),
     }
-    let theirs = theirs(block, &prepared, &runs)?;
-    Ok(Results::Simulated(prepared, runs, theirs))
 }
 
 /// Simulates the scene that a block is compared with.
-fn theirs(
+fn their_motion(
     block: &Block,
     own: &Prepared,
-    runs: &BTreeMap<Method, Runs>,
-) -> Result<Option<Box<Theirs>>, String> {
-    let Some(prepared) = Prepared::theirs(block, own)? else {
-        return Ok(None);
-    };
-    let first = runs.values().find_map(|runs| runs.whole.as_ref().ok());
-    let begun = |end: Option<f64>| {
-        let mut run = simulate(&prepared.scene);
-        run = run.method(EventDriven::default()).tolerance(TIGHT);
+    scene: &TextScene,
+    first: Option<&Of>,
+) -> Result<Outcome, String> {
+    let begin = || {
+        let mut run = simulate(scene)
+            .method(EventDriven::default())
+            .tolerance(TIGHT);
         for setting in &block.settings {
             run = match setting {
-                Setting::Horizon(id) => run.horizon(own.in_unit(*id, "s")?),
-                Setting::TheirStart(name, id) => {
-                    let begin = first.and_then(|run| run.at(0.0).ok()?.get(&output(*id)));
-                    run.start(name, begin.ok_or("there is no start to begin from")?)
+                Setting::Value("horizon", _, id) => run.horizon(own.in_unit(*id, "s")?),
+                Setting::Value("their start", name, id) => {
+                    let start = first.and_then(|of| of.motion()?.at(0.0).ok()?.get(&output(*id)));
+                    run.start(name, start.ok_or("there is no start to begin from")?)
                 }
                 _ => run,
             };
         }
-        if let Some(end) = end {
-            run = run.horizon(end);
-        }
-        run.run().map_err(|error| error.to_string())
+        Ok(run)
     };
-    let mut until = BTreeMap::new();
-    for expectation in &block.expectations {
-        if let Claim::Value(_, instant, ..) = &expectation.claim
-            && let Some(end) = own_end(own, instant)?
-        {
-            until.insert(end.to_bits(), begun(Some(end))?);
-        }
-    }
-    let whole = begun(None)?;
-    match whole.status.is_solved() {
-        true => Ok(Some(Box::new(Theirs { whole, until }))),
-        false => Err(format!("what it is compared with: {}", whole.status)),
-    }
-}
-
-/// The methods that a block asks for.
-pub(crate) fn methods(block: &Block) -> Vec<Method> {
-    let mut methods = Vec::new();
-    for expectation in &block.expectations {
-        methods.extend(named(block, expectation));
-    }
-    methods.sort();
-    methods.dedup();
-    methods
-}
-
-/// The methods that an expectation is about.
-pub(crate) fn named(block: &Block, expectation: &Expectation) -> Vec<Method> {
-    if !expectation.by.is_empty() {
-        return expectation.by.clone();
-    }
-    let chosen = block.settings.iter().find_map(|setting| match setting {
-        Setting::By(methods) => Some(methods.clone()),
-        _ => None,
+    let claims = block.expectations.iter().map(|expected| &expected.claim);
+    let compared = claims.filter(|claim| match claim {
+        Claim::Value(.., right) => matches!(right[..], [Right::Their(_)]),
+        _ => false,
     });
-    chosen.unwrap_or_else(Method::usual)
+    ran(own, compared, true, &begin)
 }
 
 /// The time at which an instant ends a motion of its own.
 pub(crate) fn own_end(prepared: &Prepared, instant: &Instant) -> Result<Option<f64>, String> {
-    match instant {
-        Instant::Time(id) => {
-            if prepared.has_units() {
-                prepared.same_unit(*id, "s")?;
-            }
-            prepared.constant(*id).map(Some)
-        }
-        _ => Ok(None),
+    let Instant::Time(id) = instant else {
+        return Ok(None);
+    };
+    if prepared.has_units() {
+        prepared.same_unit(*id, "s")?;
     }
+    prepared.constant(*id).map(Some)
 }
 
 /// A simulation by a method that is about to run.
@@ -190,22 +138,24 @@ fn begun<'a>(
 ) -> Result<Simulate<'a>, String> {
     let mut run = method.chosen(simulate(&prepared.scene), &block.settings);
     let declaration = prepared.scene.declaration();
+    if let Some(tolerance) = number(&block.settings, "tolerance").filter(|_| method.has_tolerance())
+    {
+        run = run.tolerance(tolerance);
+    }
+    if let Some(steps) = count(&block.settings, "steps") {
+        run = run.steps(steps);
+    }
     let mut controls = Vec::new();
     for setting in &block.settings {
-        run = match setting {
-            Setting::Horizon(id) => run.horizon(prepared.in_unit(*id, "s")?),
-            Setting::Tolerance(tolerance) if method.has_tolerance() => run.tolerance(*tolerance),
-            Setting::Steps(steps) => run.steps(*steps),
-            Setting::Start(name, id) => {
+        match setting {
+            Setting::Value("horizon", _, id) => run = run.horizon(prepared.in_unit(*id, "s")?),
+            Setting::Value("start", name, id) => {
                 let unit = unit_of_start(declaration, name);
-                run.start(name, prepared.in_unit(*id, &unit)?)
+                run = run.start(name, prepared.in_unit(*id, &unit)?);
             }
-            Setting::Control(control) => {
-                controls.push(control);
-                run
-            }
-            _ => run,
-        };
+            Setting::Control(control) => controls.push(control),
+            _ => {}
+        }
     }
     match signal(prepared, &controls)? {
         Some(signal) => Ok(run.controls(signal)),
@@ -213,20 +163,20 @@ fn begun<'a>(
     }
 }
 
+/// What a velocity is one of.
+fn differentiated(name: &str) -> Option<&str> {
+    name.strip_prefix("dot(")?.strip_suffix(')')
+}
+
 /// The unit that an initial value is in.
-fn unit_of_start(declaration: &hangtime::model::Declaration, name: &str) -> String {
-    let inner = name
-        .strip_prefix("dot(")
-        .and_then(|rest| rest.strip_suffix(')'));
-    let of = inner.unwrap_or(name);
+fn unit_of_start(declaration: &Declaration, name: &str) -> String {
+    let inner = differentiated(name);
     let known = declaration.coordinates.iter().chain(declaration.states);
-    let mut unit = known
-        .filter(|known| known.name == of)
-        .map(|known| known.unit);
-    match (unit.next_back().unwrap_or_default(), inner) {
-        ("", _) => String::new(),
-        (unit, Some(_)) => format!("{unit}/s"),
-        (unit, None) => unit.to_owned(),
+    let mut known = known.filter(|known| known.name == inner.unwrap_or(name));
+    match known.next_back().map_or("", |known| known.unit) {
+        "" => String::new(),
+        unit if inner.is_some() => format!("{unit}/s"),
+        unit => unit.to_owned(),
     }
 }
 
@@ -235,10 +185,11 @@ fn signal(prepared: &Prepared, controls: &[&Control]) -> Result<Option<ControlSi
         return Ok(None);
     };
     let known = prepared.scene.declaration().controls;
-    let mut times = Vec::new();
-    for (time, _) in &first.nodes {
-        times.push(time.map_or(Ok(0.0), |time| prepared.constant(time))?);
-    }
+    let times = first
+        .nodes
+        .iter()
+        .map(|node| node.0.map_or(Ok(0.0), |time| prepared.constant(time)));
+    let times: Vec<f64> = times.collect::<Result<_, _>>()?;
     let mut values = vec![vec![0.0; known.len()]; times.len()];
     for control in controls {
         let index = known.iter().position(|known| known.name == control.name);
@@ -256,82 +207,101 @@ fn signal(prepared: &Prepared, controls: &[&Control]) -> Result<Option<ControlSi
     }))
 }
 
-/// The derivatives that are asked for: at the whole end or at another time, of what, and by what.
-type Asked = BTreeMap<Option<u64>, (Vec<String>, Vec<String>)>;
+fn simulated(block: &Block, prepared: &Prepared, method: &Method) -> Result<Outcome, String> {
+    let of_method = block.expectations.iter();
+    let of_method = of_method.filter(|expected| block.methods(expected).contains(method));
+    let claims = of_method.map(|expected| &expected.claim);
+    ran(prepared, claims, method.locates(), &|| {
+        begun(block, prepared, method)
+    })
+}
 
-fn simulated(block: &Block, prepared: &Prepared, method: &Method) -> Result<Runs, String> {
-    let whole = begun(block, prepared, method)?.run();
-    let whole = whole.map_err(|error| error.to_string());
-    let mut runs = Runs {
-        whole,
+/// All motions that claims need, which begin alike, with their derivatives.
+fn ran<'a, 'c>(
+    own: &Prepared,
+    claims: impl Iterator<Item = &'c Claim>,
+    locates: bool,
+    begin: &dyn Fn() -> Result<Simulate<'a>, String>,
+) -> Result<Outcome, String> {
+    let until = |end: f64| Ok::<_, String>(begin()?.horizon(end).run().map_err(|e| e.to_string()));
+    let whole = begin()?.run().map_err(|error| error.to_string());
+    let mut found = Outcome {
+        whole: whole.map(Of::Motion),
         until: BTreeMap::new(),
         gradients: BTreeMap::new(),
     };
-    let mut asked = Asked::new();
-    for expectation in &block.expectations {
-        if !named(block, expectation).contains(method) {
-            continue;
-        }
-        if let Claim::Limit(by, ..) | Claim::Obstacle(by, ..) = &expectation.claim {
-            asked.entry(None).or_default().1.push(by.clone());
-        }
-        let Claim::Value(left, instant, ..) = &expectation.claim else {
-            continue;
-        };
-        let end = own_end(prepared, instant)?;
-        if let Left::Derivative(of, by, _) = left {
-            let of = name_of(prepared, of, &runs.whole)?;
-            let (ofs, bys) = asked.entry(end.map(f64::to_bits)).or_default();
-            ofs.push(of);
-            bys.push(by.clone());
-        } else if let Some(end) = end.filter(|_| method.locates()) {
-            let run = begun(block, prepared, method)?.horizon(end).run();
-            let run = run.map_err(|error| error.to_string());
-            runs.until.insert(end.to_bits(), run);
+    // At the whole end or at another time, of what, and by what.
+    let mut asked: BTreeMap<Option<u64>, [Vec<String>; 2]> = BTreeMap::new();
+    for claim in claims {
+        if let Some(by) = quantity(claim) {
+            let (of, end) = match claim {
+                Claim::Value(Left::Derivative(of, ..), instant, ..) => {
+                    let of = name_of(own, of, &found)?;
+                    (Some(of), own_end(own, instant)?.map(f64::to_bits))
+                }
+                _ => (None, None),
+            };
+            let [ofs, bys] = asked.entry(end).or_default();
+            ofs.extend(of);
+            bys.push(by.to_owned());
+        } else if let Claim::Value(_, instant, ..) = claim
+            && let Some(end) = own_end(own, instant)?.filter(|_| locates)
+        {
+            found.until.insert(end.to_bits(), until(end)?);
         }
     }
-    for (end, (mut of, mut by)) in asked {
-        for names in [&mut of, &mut by] {
-            names.sort();
-            names.dedup();
-        }
+    for (end, names) in asked {
+        let [of, by] = names.map(sorted);
         let gradient = |mode| {
-            let mut run = begun(block, prepared, method)?;
+            let mut run = begin()?;
             if let Some(end) = end {
                 run = run.horizon(f64::from_bits(end));
             }
+            let run = run.gradient_of(of.iter().map(String::as_str));
             let run = run
-                .gradient_of(of.iter().map(String::as_str))
-                .gradient_mode(mode);
-            let run = run.gradient(by.iter().map(String::as_str));
+                .gradient_mode(mode)
+                .gradient(by.iter().map(String::as_str));
             run.map(|(_, gradient)| gradient)
                 .map_err(|error| error.to_string())
         };
-        let both = gradient(GradientMode::Forward)
-            .and_then(|forward| Ok([forward, gradient(GradientMode::Adjoint)?]));
-        runs.gradients.insert(end, both);
+        let forward = gradient(GradientMode::Forward);
+        let both = forward.and_then(|forward| Ok([forward, gradient(GradientMode::Adjoint)?]));
+        found.gradients.insert(end, both);
     }
-    Ok(runs)
+    Ok(found)
+}
+
+fn sorted<T: Ord>(mut names: Vec<T>) -> Vec<T> {
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// The quantity that a claim needs derivatives by.
+fn quantity(claim: &Claim) -> Option<&str> {
+    match claim {
+        Claim::Value(Left::Derivative(_, by, _), ..) => Some(by),
+        Claim::Value(Left::Limit(text), ..) | Claim::Text(text, ..) => {
+            Some(text.of.as_str()).filter(|of| !of.is_empty())
+        }
+        _ => None,
+    }
 }
 
 /// What a value is called where derivatives are asked for.
-pub(crate) fn name_of(
-    prepared: &Prepared,
-    left: &Left,
-    run: &Result<Simulation, String>,
-) -> Result<String, String> {
+pub(crate) fn name_of(own: &Prepared, left: &Left, found: &Outcome) -> Result<String, String> {
     match left {
         Left::EventTime(None, which) => {
-            let run = run.as_ref().map_err(Clone::clone)?;
-            let index = event(run, which).ok_or("there is no such event")?;
-            Ok(format!("event_times[{index}]"))
+            let run = found.whole.as_ref().map_err(Clone::clone)?.motion();
+            let index = run.and_then(|run| event(run, which));
+            Ok(format!(
+                "event_times[{}]",
+                index.ok_or("there is no such event")?
+            ))
         }
         Left::Expression(id, text) => {
-            let declaration = prepared.scene.declaration();
-            let inner = text
-                .strip_prefix("dot(")
-                .and_then(|rest| rest.strip_suffix(')'));
-            let name = inner.unwrap_or(text);
+            let declaration = own.scene.declaration();
+            let name = differentiated(text).unwrap_or(text);
             let mechanical = &declaration.coordinates[..declaration.mechanical()];
             let known = mechanical.iter().any(|known| known.name == name);
             let state = declaration.states.iter().any(|known| known.name == text);
@@ -340,41 +310,41 @@ pub(crate) fn name_of(
                 false => output(*id),
             })
         }
-        Left::Fact(name) => Ok(name.clone()),
+        Left::Fact(name) => Ok((*name).to_owned()),
         _ => Err("this has no derivative".to_owned()),
     }
 }
 
+/// Whether an event is one of those.
+pub(crate) fn is_one(event: &Event, which: &Which) -> bool {
+    let name = which.name.as_deref();
+    which.kind.is_none_or(|kind| kind == event.kind)
+        && name.is_none_or(|name| name == event.contact_name)
+}
+
 /// The place of an event among all of a motion.
 pub(crate) fn event(run: &Simulation, which: &Which) -> Option<usize> {
-    let mut events = run.events.iter().enumerate();
-    let is = |event: &Event| {
-        let name = which.name.as_deref();
-        event.kind == which.kind && name.is_none_or(|name| name == event.contact_name)
-    };
-    let found = events
-        .by_ref()
-        .filter(|(_, event)| is(event))
-        .nth(which.number - 1)?;
-    Some(found.0)
+    let events = run.events.iter().enumerate();
+    let mut events = events.filter(|(_, event)| is_one(event, which));
+    Some(events.nth(which.number - 1)?.0)
 }
 
 /// The optimum of a scene, of the block itself or of what it is compared with.
-fn solved(
-    block: &Block,
-    prepared: &Prepared,
-    scene: &TextScene,
-) -> Result<Result<Box<Solution>, String>, String> {
-    let mut task = solve(scene).settings(chosen(block));
+fn solved(block: &Block, prepared: &Prepared, scene: &TextScene) -> Result<Outcome, String> {
+    let mut task = solve(scene).settings(chosen(&block.settings));
     if let Some(previous) = previous(block)? {
         task = task.guess(Guess::Previous(Box::new(previous)));
     }
+    if let Some(intervals) = count(&block.settings, "intervals") {
+        task = task.intervals(intervals);
+    }
+    if let Some(tolerance) = number(&block.settings, "tolerance") {
+        task = task.tolerance(tolerance);
+    }
     for setting in &block.settings {
         task = match setting {
-            Setting::Intervals(intervals) => task.intervals(*intervals),
-            Setting::Tolerance(tolerance) => task.tolerance(*tolerance),
-            Setting::Horizon(id) => task.horizon(prepared.in_unit(*id, "s")?),
-            Setting::Start(name, id) => {
+            Setting::Value("horizon", _, id) => task.horizon(prepared.in_unit(*id, "s")?),
+            Setting::Value("start", name, id) => {
                 let unit = unit_of_start(prepared.scene.declaration(), name);
                 task.start(name, prepared.in_unit(*id, &unit)?)
             }
@@ -384,65 +354,64 @@ fn solved(
     let by = block
         .expectations
         .iter()
-        .filter_map(|expectation| match &expectation.claim {
-            Claim::Value(Left::Derivative(_, by, _), ..)
-            | Claim::Limit(by, ..)
-            | Claim::Obstacle(by, ..) => Some(by.as_str()),
-            _ => None,
-        });
-    let mut by: Vec<&str> = by.collect();
-    by.sort_unstable();
-    by.dedup();
-    let run = task.gradient(by).run();
-    Ok(run.map(Box::new).map_err(|error| error.to_string()))
+        .filter_map(|expected| quantity(&expected.claim));
+    let run = task.gradient(sorted(by.collect())).run();
+    let whole = run.map(|found| Of::Optimum(Box::new(found)));
+    Ok(Outcome {
+        whole: whole.map_err(|error| error.to_string()),
+        until: BTreeMap::new(),
+        gradients: BTreeMap::new(),
+    })
 }
 
-/// What a block says of how an optimum is looked for.
-fn chosen(block: &Block) -> Settings {
-    let mut settings = Settings::default();
+/// How an optimum is looked for.
+fn chosen(settings: &[Setting]) -> Settings {
+    let mut chosen = Settings::default();
     let mut freezing = TimeFreezingSettings::default();
-    let frozen = |setting: &Setting| matches!(setting, Setting::Freezing);
-    let frozen = block.settings.iter().any(frozen);
-    for setting in &block.settings {
-        match setting {
-            Setting::Starts(starts) => settings.starts = Some(*starts),
-            Setting::Programs(most) => settings.maximum_programs = *most,
-            Setting::Shape(shape) => settings.controls = *shape,
-            Setting::Aligned => settings.grid = ControlNodes::Aligned,
-            Setting::Stages(stages) if frozen => freezing.stages = *stages,
-            Setting::Stages(stages) => settings.stages = *stages,
-            Setting::Elements(elements) if frozen => freezing.elements = *elements,
-            Setting::Elements(elements) => settings.elements = *elements,
+    let is_frozen = number(settings, "freezing").is_some();
+    for setting in settings {
+        let Setting::Number(word, number) = setting else {
+            continue;
+        };
+        let count = *number as usize;
+        match *word {
+            "starts" => chosen.starts = Some(count),
+            "programs" => chosen.maximum_programs = count,
+            "linear" => chosen.controls = ControlShape::Linear,
+            "constant" => chosen.controls = ControlShape::Constant,
+            "aligned" => chosen.grid = ControlNodes::Aligned,
+            "stages" if is_frozen => freezing.stages = count,
+            "stages" => chosen.stages = count,
+            "elements" if is_frozen => freezing.elements = count,
+            "elements" => chosen.elements = count,
             _ => {}
         }
     }
-    if frozen {
-        settings.formulation = Formulation::TimeFreezing(freezing);
+    if is_frozen {
+        chosen.formulation = Formulation::TimeFreezing(freezing);
     }
-    settings
+    chosen
 }
 
 /// The motion that a block starts from.
 fn previous(block: &Block) -> Result<Option<Previous>, String> {
-    let mut before = block.clone();
-    let (mut own, mut changed) = (Vec::new(), Vec::new());
-    for setting in &block.settings {
-        match setting {
-            Setting::Previous(inner) => changed.push(Setting::clone(inner)),
-            other => own.push(other.clone()),
-        }
-    }
-    if changed.is_empty() {
+    let is_changed = |setting: &Setting| matches!(setting, Setting::Previous(_));
+    if !block.settings.iter().any(is_changed) {
         return Ok(None);
     }
+    let mut before = block.clone();
     // The last one of a name counts.
-    before.settings = [own, changed].concat();
-    let prepared = match Prepared::of(&before) {
-        Ok(prepared) => prepared,
-        Err(_) => return Err("the run before has no scene".to_owned()),
+    before.settings.sort_by_key(is_changed);
+    for setting in &mut before.settings {
+        if let Setting::Previous(inner) = setting {
+            *setting = Setting::clone(inner);
+        }
+    }
+    let Ok(prepared) = Prepared::of(&before) else {
+        return Err("the run before has no scene".to_owned());
     };
-    let found = solved(&before, &prepared, &prepared.scene)??.previous;
-    found
-        .map(Some)
-        .ok_or("the run before has no motion".to_owned())
+    match solved(&before, &prepared, &prepared.scene)?.whole? {
+        Of::Optimum(found) if found.previous.is_some() => Ok(found.previous),
+        _ => Err("the run before has no motion".to_owned()),
+    }
 }

@@ -1,6 +1,7 @@
 //! What stands behind `expect`: the grammar is told in README.md beside the cases.
 
 use crate::document::Line;
+use crate::found::fact;
 use crate::method::Method;
 use crate::words::{behind, parts, quoted, split, split_last};
 use hangtime::prelude::EventKind;
@@ -40,15 +41,17 @@ impl Expressions {
     }
 }
 
-/// What is expected: of a number that hangs on parameters alone, or a value of the motion that it is compared with.
+/// What is expected of a number.
 #[derive(Debug, Clone)]
 pub(crate) enum Right {
+    /// What hangs on parameters alone.
     Own(Id),
-    Their(Id),
-    /// The optimum of the scene that this one is compared with.
-    TheirObjective,
+    /// The same of the run that this one is compared with.
+    Their(Left),
     /// The derivative of a number that hangs on parameters by one of these.
     Derived(Id, String),
+    /// What it is at the start.
+    Start,
 }
 
 /// An expectation.
@@ -59,8 +62,6 @@ pub(crate) struct Expectation {
     pub(crate) within: Within,
     /// The methods that it is about; empty for all that the block runs by default.
     pub(crate) by: Vec<Method>,
-    /// Whether its value may be written anew.
-    pub(crate) snapshot: bool,
     /// By how many tolerances expected numbers are moved: zero but in the test of this runner.
     pub(crate) moved: f64,
 }
@@ -79,9 +80,10 @@ pub(crate) enum Within {
 }
 
 /// Which event.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(crate) struct Which {
-    pub(crate) kind: EventKind,
+    /// Any, if there is none.
+    pub(crate) kind: Option<EventKind>,
     /// From 1 on, among those of its kind and name.
     pub(crate) number: usize,
     pub(crate) name: Option<String>,
@@ -100,7 +102,7 @@ pub(crate) enum Instant {
 }
 
 /// How two numbers are compared.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) enum Comparison {
     Equal,
     AtMost,
@@ -115,19 +117,21 @@ pub(crate) enum Left {
     /// An expression along the motion, and its text.
     Expression(Id, String),
     /// A number of the result itself, by its name.
-    Fact(String),
+    Fact(&'static str),
     /// What a state holds by this name.
     Named(String),
     /// How many events there are.
-    Count(Option<Which>),
+    Count(Which),
     /// A derivative of a value or of the time of an event by a quantity, on a side where it has only such.
     Derivative(Box<Left>, String, Option<Side>),
     /// The time of an event, from the start or from another one on.
     EventTime(Option<Which>, Which),
+    /// How far a quantity may go to one side until the order of events is another.
+    Limit(Text),
 }
 
 /// A side of a quantity, and whether the factor of the root of its change is asked for in the place of a derivative.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Side {
     pub(crate) above: bool,
     pub(crate) root: bool,
@@ -136,65 +140,38 @@ pub(crate) struct Side {
 /// What is claimed.
 #[derive(Debug, Clone)]
 pub(crate) enum Claim {
-    Event(Which, Option<Id>),
-    NoEvent(Option<Which>),
-    /// All events, in their order.
-    Events(Vec<(Which, Option<Id>)>),
     /// Of several on the right one is enough.
     Value(Left, Instant, Comparison, Vec<Right>),
+    /// A text of the result has one of these words in it, or not.
+    Text(Text, Vec<String>, bool),
+    /// All events, in their order.
+    Events(Vec<Which>),
     /// The events are those of the motion that it is compared with.
     SameEvents,
-    /// An expression that keeps the value that it has at the start.
-    Constant(Id),
-    Status(Vec<String>, Option<Id>),
-    NotStatus(String),
-    /// One of the texts that a run has: `note`, `diagnosis`, `warning`, `refusal`.
-    Text(TextKind, String, bool),
     /// A mistake of the scene: its code, words, and a text of the scene that it is about.
-    Message(Option<String>, Option<String>, Option<String>),
-    Certificate(String),
-    /// Why there are no derivatives by a quantity: words that are there or not.
-    Obstacle(String, String, bool),
-    /// How far a quantity may go to one side until the order of events is another, and why; or that it may go on.
-    Limit(String, Above, Option<(Id, String)>),
+    Message([Option<String>; 3]),
 }
 
-/// A side of a quantity: towards larger values, if it is true.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Above(pub(crate) bool);
-
-/// Where a text is looked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum TextKind {
-    Note,
-    Diagnosis,
-    Warning,
-    Refusal,
+/// A text of a result: one of [`TEXTS`], and of which quantity.
+#[derive(Debug, Clone)]
+pub(crate) struct Text {
+    pub(crate) kind: &'static str,
+    pub(crate) of: String,
 }
 
-/// Numbers that a result has besides what moves.
-const FACTS: [&str; 18] = [
-    "residuals.primal",
-    "residuals.dual",
-    "residuals.complementarity",
-    "starts",
-    "bound",
-    "objective",
-    "final_time",
-    "numerical_time",
-    "error_estimate",
-    "resimulation_error",
-    "least_time",
-    "resimulated_objective",
-    "shortest_time",
-    "longest_time",
-    "objective_error",
-    "excess",
-    "margins",
-    "size.variables",
+const TEXTS: [&str; 9] = [
+    "note",
+    "diagnosis",
+    "warning",
+    "refusal",
+    "status",
+    "certificate",
+    "obstacle",
+    "limit above",
+    "limit below",
 ];
 
-/// Reads what stands behind `expect`; `.. with derivatives by a, b` expects those of both sides as well.
+/// Reads what stands behind `expect`, which may be several expectations.
 ///
 /// # Errors
 /// What cannot be read of it.
@@ -207,34 +184,6 @@ pub(crate) fn expectations(
         Some((text, names)) => (text, parts(names, ",")),
         None => (text, Vec::new()),
     };
-    let expected = expectation(line, text, expressions)?;
-    let mut all = Vec::new();
-    for name in names {
-        let mut derivative = expected.clone();
-        let (left, instant, right) = match &expected.claim {
-            Claim::Event(which, Some(time)) => {
-                (Left::EventTime(None, which.clone()), Instant::End, *time)
-            }
-            Claim::Value(left, instant, Comparison::Equal, right) => match right[..] {
-                [Right::Own(right)] => (left.clone(), instant.clone(), right),
-                _ => return Err("these have no derivatives".to_owned()),
-            },
-            _ => return Err("this has no derivatives".to_owned()),
-        };
-        let left = Left::Derivative(Box::new(left), name.to_owned(), None);
-        let right = Right::Derived(right, name.to_owned());
-        derivative.claim = Claim::Value(left, instant, Comparison::Equal, vec![right]);
-        all.push(derivative);
-    }
-    all.insert(0, expected);
-    Ok(all)
-}
-
-fn expectation(
-    line: &Line,
-    text: &str,
-    expressions: &mut Expressions,
-) -> Result<Expectation, String> {
     let (text, by) = match split_last(text, " by ") {
         Some((before, names)) => match parts(names, ",").into_iter().map(Method::read).collect() {
             Ok(methods) => (before, methods),
@@ -256,86 +205,90 @@ fn expectation(
         }
         None => (text, Within::Promised),
     };
-    let (text, snapshot) = match behind(text, "snapshot") {
-        Some(rest) => (rest, true),
-        None => (text, false),
-    };
-    Ok(Expectation {
+    let mut claims = claims(text, &mut add)?;
+    for name in names {
+        let Claim::Value(left, instant, Comparison::Equal, right) = &claims[0] else {
+            return Err("this has no derivatives".to_owned());
+        };
+        let [Right::Own(right)] = right[..] else {
+            return Err("these have no derivatives".to_owned());
+        };
+        let left = Left::Derivative(Box::new(left.clone()), name.to_owned(), None);
+        let right = vec![Right::Derived(right, name.to_owned())];
+        claims.push(Claim::Value(
+            left,
+            instant.clone(),
+            Comparison::Equal,
+            right,
+        ));
+    }
+    let each = claims.into_iter().map(|claim| Expectation {
         line: line.clone(),
-        claim: claim(text, &mut add)?,
+        claim,
         within,
-        by,
-        snapshot,
+        by: by.clone(),
         moved: 0.0,
-    })
+    });
+    Ok(each.collect())
 }
 
-fn claim(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Claim, String> {
+fn claims(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Vec<Claim>, String> {
     let absent = behind(text, "no");
     let rest = absent.unwrap_or(text);
-    for (word, kind) in [
-        ("note", TextKind::Note),
-        ("diagnosis", TextKind::Diagnosis),
-        ("warning", TextKind::Warning),
-        ("refusal", TextKind::Refusal),
-    ] {
-        if let Some(words) = behind(rest, word) {
-            let words = match absent.is_some() && words.is_empty() {
-                true => "",
-                false => quoted(words)?.0,
-            };
-            return Ok(Claim::Text(kind, words.to_owned(), absent.is_none()));
+    for kind in TEXTS {
+        if let Some(rest) = behind(rest, kind) {
+            return about_text(kind, rest, absent.is_none(), add);
         }
     }
-    if let Some(rest) = behind(rest, "obstacle") {
-        let (by, words) = rest.split_at(rest.find('"').unwrap_or(rest.len()));
-        let words = if words.is_empty() {
-            ""
-        } else {
-            quoted(words)?.0
-        };
-        let (by, words) = (by.trim().to_owned(), words.to_owned());
-        return Ok(Claim::Obstacle(by, words, absent.is_none()));
-    }
-    if let Some(rest) = behind(rest, "limit") {
-        return limit(rest, absent.is_some(), add);
-    }
-    if let Some(rest) = absent {
-        return Ok(match behind(rest, "status") {
-            Some(name) => Claim::NotStatus(name.to_owned()),
-            None if rest == "events" => Claim::NoEvent(None),
-            None => Claim::NoEvent(Some(which(rest)?)),
-        });
-    }
-    if let Some(rest) = behind(text, "status") {
-        let (names, time) = timed(rest, add);
-        let names = parts(names, " or ").into_iter().map(str::to_owned);
-        return Ok(Claim::Status(names.collect(), time));
-    }
     if let Some(rest) = behind(text, "message") {
-        return message(rest);
-    }
-    if let Some(rest) = behind(text, "certificate") {
-        return Ok(Claim::Certificate(rest.to_owned()));
+        return Ok(vec![message(rest)?]);
     }
     if text == "same events" {
-        return Ok(Claim::SameEvents);
+        return Ok(vec![Claim::SameEvents]);
     }
     if let Some(rest) = behind(text, "events") {
-        let each = parts(rest, ",").into_iter().map(|event| {
+        let (mut events, mut times) = (Vec::new(), Vec::new());
+        for (event, number) in parts(rest, ",").into_iter().zip(1..) {
             let (event, time) = timed(event, add);
-            Ok((which(event)?, time))
-        });
-        return Ok(Claim::Events(each.collect::<Result<_, String>>()?));
+            events.push(which(event)?);
+            let any = Which {
+                kind: None,
+                number,
+                name: None,
+            };
+            times.extend(time.map(|time| equal(Left::EventTime(None, any), time)));
+        }
+        times.insert(0, Claim::Events(events));
+        return Ok(times);
     }
-    if let Some(inner) = text.strip_suffix(" constant") {
-        return Ok(Claim::Constant(add(inner)));
+    if let Some(text) = text.strip_suffix(" constant") {
+        let left = Left::Expression(add(text), text.to_owned());
+        let start = vec![Right::Start];
+        return Ok(vec![Claim::Value(
+            left,
+            Instant::Always,
+            Comparison::Equal,
+            start,
+        )]);
     }
     if compared(text).is_some() {
-        return value(text, add);
+        return Ok(vec![value(text, add)?]);
     }
-    let (event, time) = timed(text, add);
-    Ok(Claim::Event(which(event)?, time))
+    let (event, time) = timed(rest, add);
+    let which = which(event)?;
+    Ok(vec![match time {
+        Some(time) if absent.is_none() => equal(Left::EventTime(None, which), time),
+        _ => {
+            let number = vec![Right::Own(add(&which.number.to_string()))];
+            let comparison = absent.map_or(Comparison::AtLeast, |_| Comparison::Less);
+            Claim::Value(Left::Count(which), Instant::End, comparison, number)
+        }
+    }])
+}
+
+fn equal(left: Left, right: Id) -> Claim {
+    let right = vec![Right::Own(right)];
+    Claim::Value(left, Instant::End, Comparison::Equal, right)
 }
 
 /// What stands before ` at TIME`, and that time.
@@ -346,12 +299,54 @@ fn timed<'a>(text: &'a str, add: &mut dyn FnMut(&str) -> Id) -> (&'a str, Option
     }
 }
 
-/// `KIND [NUMBER] [NAME]`; a name that is no word stands in quotes.
+/// `[no] KIND [OF] ["WORDS"]`: `status NAME or NAME [at TIME]`, `certificate NAME`, and `limit SIDE OF == CHANGE "WORDS"` as well.
+fn about_text(
+    kind: &'static str,
+    rest: &str,
+    present: bool,
+    add: &mut dyn FnMut(&str) -> Id,
+) -> Result<Vec<Claim>, String> {
+    let (of, words) = rest.split_at(rest.find('"').unwrap_or(rest.len()));
+    let (mut of, number) = match kind {
+        "status" => timed(of.trim(), add),
+        _ => match split(of, "==") {
+            Some((of, change)) => (of, Some(add(change))),
+            None => (of.trim(), None),
+        },
+    };
+    let mut wanted = vec![String::new()];
+    if ["status", "certificate"].contains(&kind) {
+        let names = parts(std::mem::take(&mut of), " or ").into_iter();
+        wanted = names.map(str::to_owned).collect();
+    } else {
+        let needs_quantity = kind.starts_with("limit") || kind == "obstacle";
+        if needs_quantity == of.is_empty() || present && !needs_quantity && words.is_empty() {
+            return Err(format!("`{rest}` is no {kind}"));
+        }
+        if !words.is_empty() {
+            wanted = vec![quoted(words)?.0.to_owned()];
+        }
+    }
+    let of = of.to_owned();
+    let text = Text { kind, of };
+    let left = match kind {
+        "status" => Left::Fact("diagnosed_at"),
+        _ => Left::Limit(text.clone()),
+    };
+    let mut claims = vec![Claim::Text(text, wanted, present)];
+    claims.extend(number.map(|number| equal(left, number)));
+    Ok(claims)
+}
+
+/// `[KIND] [NUMBER] [NAME]`; a name that is no word stands in quotes.
 fn which(text: &str) -> Result<Which, String> {
     let (kind, rest) = text.split_once(' ').unwrap_or((text, ""));
-    let kind = KINDS.into_iter().find(|known| known.name() == kind);
-    let kind =
-        kind.ok_or_else(|| format!("`{text}` is no event and nothing else that is known"))?;
+    let known = KINDS.into_iter().find(|known| known.name() == kind);
+    if known.is_none() && text != "events" {
+        return Err(format!(
+            "`{text}` is no event and nothing else that is known"
+        ));
+    }
     let rest = rest.trim();
     let (first, behind) = rest.split_once(' ').unwrap_or((rest, ""));
     let (number, rest) = match first.parse() {
@@ -367,25 +362,10 @@ fn which(text: &str) -> Result<Which, String> {
         return Err(format!("`{rest}` is too much in `{text}`"));
     }
     Ok(Which {
-        kind,
+        kind: known,
         number,
         name: (!name.is_empty()).then(|| name.to_owned()),
     })
-}
-
-/// `above NAME == CHANGE "WORDS"`, or `above NAME` where there is none.
-fn limit(text: &str, none: bool, add: &mut dyn FnMut(&str) -> Id) -> Result<Claim, String> {
-    let (side, rest) = text
-        .split_once(' ')
-        .ok_or("a limit is `above` or `below`")?;
-    let side = Above(side == "above");
-    if none {
-        return Ok(Claim::Limit(rest.to_owned(), side, None));
-    }
-    let (name, rest) = split(rest, "==").ok_or("a limit is `above NAME == CHANGE \"WORDS\"`")?;
-    let (change, words) = rest.split_at(rest.find('"').unwrap_or(rest.len()));
-    let change = (add(change), quoted(words)?.0.to_owned());
-    Ok(Claim::Limit(name.to_owned(), side, Some(change)))
 }
 
 /// `[CODE] ["WORDS"] [at "TEXT"]`.
@@ -402,7 +382,7 @@ fn message(text: &str) -> Result<Claim, String> {
     if code.is_none() && words.is_none() {
         return Err("a message has a code, as E03, or words in quotes".to_owned());
     }
-    Ok(Claim::Message(code, words, place))
+    Ok(Claim::Message([code, words, place]))
 }
 
 /// The two sides of a comparison.
@@ -440,25 +420,24 @@ fn value(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Claim, String> {
     let (left, when) = of_time(left, when, add)?;
     let mut left = left_side(left, add)?;
     if let Some(by) = by {
-        let (by, root) = match by.strip_suffix(" as root") {
-            Some(by) => (by, true),
-            None => (by, false),
-        };
-        let side = |above| Some(Side { above, root });
-        let (by, side) = match (
-            by.strip_suffix(" from above"),
-            by.strip_suffix(" from below"),
-        ) {
-            (Some(by), _) => (by, side(true)),
-            (_, Some(by)) => (by, side(false)),
+        let (by, root) = by
+            .strip_suffix(" as root")
+            .map_or((by, false), |by| (by, true));
+        let (by, side) = match split_last(by, " from ") {
+            Some((by, side @ ("above" | "below"))) => {
+                let above = side == "above";
+                (by, Some(Side { above, root }))
+            }
             _ => (by, None),
         };
         left = Left::Derivative(Box::new(left), by.trim().to_owned(), side);
     }
     let right = parts(right, " or ").into_iter();
     let right = right.map(|text| match behind(text, "their") {
-        Some("objective") => Right::TheirObjective,
-        Some(_) => Right::Their(add(text)),
+        Some(name) => Right::Their(match fact(name) {
+            Some(name) => Left::Fact(name),
+            None => Left::Expression(add(text), name.to_owned()),
+        }),
         None => Right::Own(add(text)),
     });
     let right = right.collect();
@@ -507,8 +486,7 @@ fn of_time<'a>(
 
 fn left_side(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Left, String> {
     if let Some(rest) = behind(text, "count").filter(|rest| !rest.is_empty()) {
-        let of = (rest != "events").then(|| which(rest)).transpose()?;
-        return Ok(Left::Count(of));
+        return Ok(Left::Count(which(rest)?));
     }
     if let Some(event) = behind(text, "time of") {
         return Ok(Left::EventTime(None, which(event)?));
@@ -519,9 +497,8 @@ fn left_side(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Left, String
     if let Some(name) = behind(text, "state") {
         return Ok(Left::Named(quoted(name)?.0.to_owned()));
     }
-    let of_group = ["counts.", "time_freezing."];
-    if FACTS.contains(&text) || of_group.iter().any(|group| text.starts_with(group)) {
-        return Ok(Left::Fact(text.to_owned()));
-    }
-    Ok(Left::Expression(add(text), text.to_owned()))
+    Ok(match fact(text) {
+        Some(name) => Left::Fact(name),
+        None => Left::Expression(add(text), text.to_owned()),
+    })
 }

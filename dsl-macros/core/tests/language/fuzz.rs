@@ -4,6 +4,9 @@
 //! whole statements moved. The seeds are fixed, so that every run is the same; `HANGTIME_FUZZ_CASES`
 //! sets their number (100 000 for a thorough run in the release profile).
 
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
 use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
 
 /// Declarations to start from; together they use every statement.
@@ -53,83 +56,19 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 75] = [
-    "rotation",
-    "rotation_x",
-    "transpose",
-    "diagonal",
-    "m",
-    "y",
-    "z",
-    "dot",
-    "diff",
-    "let",
-    "fn",
-    "pub",
-    "lagrangian",
-    "surface",
-    "impact",
-    "dry",
-    "joint",
-    "bound",
-    "inelastic",
-    "along",
-    "parameters",
-    "coordinates",
-    "controls",
-    "forces",
-    "start",
-    "horizon",
-    "if",
-    "abs",
-    "in",
-    "restitution",
-    "friction",
-    "t",
-    "pi",
-    "sin",
-    "sqrt",
-    "self",
-    "_x",
-    "dissipation",
-    "minimize",
-    "holding",
-    "kg",
-    "sliding",
-    "finally",
-    "constraint",
-    "free",
-    "integral",
-    "time",
-    "e",
-    "outputs",
-    "force",
-    "friction_force",
-    "impulse",
-    "friction_impulse",
-    "max",
-    "clamp",
-    "min",
-    "picture",
-    "point",
-    "at",
-    "circle",
-    "radius",
-    "rectangle",
-    "size",
-    "angle",
-    "polygon",
-    "corners",
-    "link",
-    "spring",
-    "to",
-    "curve",
-    "over",
-    "measured",
-    "within",
-    "misfit",
-    "huber",
-];
+/// Words of the language, of the scenes, and of neither.
+static WORDS: LazyLock<Vec<&str>> = LazyLock::new(|| {
+    let others = "self _x sqrt abs min clamp if friction_impulse within misfit huber".split(' ');
+    let of_scenes = SCENES
+        .iter()
+        .flat_map(|scene| scene.split(|c: char| !c.is_alphanumeric() && c != '_'));
+    let of_scenes = of_scenes.filter(|word| word.starts_with(|c: char| c.is_alphabetic()));
+    let words: BTreeSet<&str> = others
+        .chain(of_scenes)
+        .chain(hangtime_dsl::words())
+        .collect();
+    words.into_iter().collect()
+});
 const SYMBOLS: [char; 22] = [
     '+', '-', '*', '/', '^', '|', '=', ',', ':', ';', '.', '>', '<', '!', '#', '$', '?', '@', '&',
     '%', '~', '=',
@@ -138,10 +77,10 @@ const SYMBOLS: [char; 22] = [
 /// A token out of thin air.
 fn invented(random: &mut Random) -> TokenTree {
     match random.below(8) {
-        0..=2 => TokenTree::Ident(Ident::new(
-            WORDS[random.below(WORDS.len())],
-            Span::call_site(),
-        )),
+        0..=2 => {
+            let word = WORDS[random.below(WORDS.len())];
+            TokenTree::Ident(Ident::new(word, Span::call_site()))
+        }
         3 | 4 => TokenTree::Punct(Punct::new(
             SYMBOLS[random.below(SYMBOLS.len())],
             if random.below(2) == 0 {

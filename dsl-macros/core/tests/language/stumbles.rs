@@ -38,23 +38,32 @@ fn scene(statements: &str) -> String {
     }
 }
 
-/// What is wanted of one mistake: code (empty for plain syntax), place, and a part of the message.
-type Answer<'a> = (&'a str, &'a str, &'a str);
-
-/// Each text with its mistakes in order.
-fn assert_answers(table: &[(&str, &[Answer<'_>])]) {
-    for (statements, wanted) in table {
-        let text = scene(statements);
+/// Each text, a line, with its mistakes in order, on indented lines: the code unless it is plain syntax, the place, and behind `=>` a
+/// part of the message. The lines of a table begin at its ninth column.
+fn assert_answers(table: &str) {
+    let lines = table.lines().map(|line| line.get(8..).unwrap_or_default());
+    let mut lines = lines
+        .filter(|line| !line.is_empty() && !line.starts_with("//"))
+        .peekable();
+    while let Some(statements) = lines.next() {
+        let text = scene(&statements.replace("\\n", "\n"));
         let found = found(&text);
         let shown: Vec<String> = found.iter().map(TextMistake::text).collect();
-        assert_eq!(found.len(), wanted.len(), "{text}\n{shown:#?}");
-        for (mistake, (code, place, remedy)) in found.iter().zip(*wanted) {
-            assert_eq!(
-                mistake.code.unwrap_or_default(),
-                *code,
-                "{text}\n{shown:#?}"
+        let mut wanted = Vec::new();
+        while let Some(line) = lines.next_if(|line| line.starts_with(' ')) {
+            wanted.push(
+                line.trim()
+                    .split_once(" => ")
+                    .expect("a place and a message"),
             );
-            assert_eq!(&text[mistake.place.clone()], *place, "{text}\n{shown:#?}");
+        }
+        assert_eq!(found.len(), wanted.len(), "{text}\n{shown:#?}");
+        for (mistake, (place, remedy)) in found.iter().zip(wanted) {
+            let code = mistake
+                .code
+                .map_or_else(String::new, |code| format!("{code} "));
+            let found = code + &text[mistake.place.clone()];
+            assert_eq!(found, place, "{text}\n{shown:#?}");
             assert!(
                 mistake.message.contains(remedy),
                 "{text}\n{shown:#?}\n{remedy}"
@@ -65,163 +74,115 @@ fn assert_answers(table: &[(&str, &[Answer<'_>])]) {
 
 #[test]
 fn rates_and_functions_are_answered_by_what_to_write() {
-    assert_answers(&[
-        (
-            "lagrangian m/2*y'^2 + m/2*z'^2",
-            &[("", "y'", "`dot(y)`"), ("", "z'", "`dot(z)`")],
-        ),
-        (
-            "fn h(a) = a lagrangian m/2*|dot((y, z))|^2 - m*g*z*h'(y)",
-            &[("", "h'", "`diff(h)(...)`")],
-        ),
-        (
-            "lagrangian m/2*y_dot^2 + m/2*zdot^2 - m*g*z",
-            &[("E01", "y_dot", "`dot(y)`"), ("E01", "zdot", "`dot(z)`")],
-        ),
-        (
-            "lagrangian m/2*y.dot^2 + m/2*dot(z)^2 - m*g*z",
-            &[("E02", "y.dot", "`dot(y)`")],
-        ),
-        (
-            "lagrangian m/2*y.dot()^2 + m/2*dot(z)^2 - m*g*z",
-            &[("", "y.dot()", "write `dot(y)`")],
-        ),
-        (
-            "lagrangian m/2*dot(y).powi(2) + m/2*dot(z).powf(2.0) - m*g*z",
-            &[
-                ("", "dot(y).powi(2)", "write `dot(y)^2`"),
-                ("", "dot(z).powf(2.0)", "write `dot(z)^2.0`"),
-            ],
-        ),
-        (
-            "lagrangian m/2*l^2*dot(theta)^2 + m*g*l*cos theta",
-            &[("", "cos", "`cos(theta)`")],
-        ),
-        (
-            "lagrangian m/2*l^2*dot(theta)^2 + m*g*l*(theta/2).cos()",
-            &[("", "(theta/2).cos()", "`cos(theta/2)`")],
-        ),
-        (
-            "lagrangian m/2*l^2*dot(theta)^2 + m*g*l*cos 2*theta",
-            &[("", "cos", "`cos(2*theta)`")],
-        ),
-    ]);
+    assert_answers(
+        r"
+        lagrangian m/2*y'^2 + m/2*z'^2
+            y' => `dot(y)`
+            z' => `dot(z)`
+        fn h(a) = a lagrangian m/2*|dot((y, z))|^2 - m*g*z*h'(y)
+            h' => `diff(h)(...)`
+        lagrangian m/2*y_dot^2 + m/2*zdot^2 - m*g*z
+            E01 y_dot => `dot(y)`
+            E01 zdot => `dot(z)`
+        lagrangian m/2*y.dot^2 + m/2*dot(z)^2 - m*g*z
+            E02 y.dot => `dot(y)`
+        lagrangian m/2*y.dot()^2 + m/2*dot(z)^2 - m*g*z
+            y.dot() => write `dot(y)`
+        lagrangian m/2*dot(y).powi(2) + m/2*dot(z).powf(2.0) - m*g*z
+            dot(y).powi(2) => write `dot(y)^2`
+            dot(z).powf(2.0) => write `dot(z)^2.0`
+        lagrangian m/2*l^2*dot(theta)^2 + m*g*l*cos theta
+            cos => `cos(theta)`
+        lagrangian m/2*l^2*dot(theta)^2 + m*g*l*(theta/2).cos()
+            (theta/2).cos() => `cos(theta/2)`
+        lagrangian m/2*l^2*dot(theta)^2 + m*g*l*cos 2*theta
+            cos => `cos(2*theta)`
+        ",
+    );
 }
 
 #[test]
 fn numbers_are_answered_by_what_to_write() {
-    assert_answers(&[
-        (
-            "parameters { m: kg = 1 kg, g = 9.81 m/s^2 } coordinates { y: m, z: m }",
-            &[
-                ("", "1 kg", "write `1 [kg]`"),
-                ("", "9.81 m/s^2", "write `9.81 [m/s^2]`"),
-            ],
-        ),
-        ("horizon 2 s", &[("", "2 s", "write `2 [s]`")]),
-        ("horizon 2s", &[("", "2s", "write `2 [s]`")]),
-        (
-            "start { z: 2 m }",
-            &[("", "m", "a unit as `2 [m]` and a product as `2*m`")],
-        ),
-        (
-            "parameters { m: kg = 1, g: m/s^2 = 9,81 } coordinates { y: m, z: m }",
-            &[("", "9,81", "write `9.81`")],
-        ),
-        (
-            "horizon 1,5 [s] start { z: 0,5, y: 2 }",
-            &[("", "1,5", "write `1.5`"), ("", "0,5", "write `0.5`")],
-        ),
-        (
-            "lagrangian m/2*|dot((y, z))|^2 - m*9,81*z",
-            &[("", "9,81", "write `9.81`")],
-        ),
-        (
-            "lagrangian 2.0_f64*m/4*|dot((y, z))|^2 - m*g*z",
-            &[("", "2.0_f64", "write `2.0`")],
-        ),
-        (
-            "lagrangian m/2*|dot((y, z))|^2 - m*g*z*PI",
-            &[("E01", "PI", "the number is `pi`")],
-        ),
-        (
-            "lagrangian m/2*|dot((y, z))|^2 - m*g*z*std::f64::consts::PI",
-            &[("", "std::f64::consts::PI", "write `pi`")],
-        ),
-    ]);
+    assert_answers(
+        r"
+        parameters { m: kg = 1 kg, g = 9.81 m/s^2 } coordinates { y: m, z: m }
+            1 kg => write `1 [kg]`
+            9.81 m/s^2 => write `9.81 [m/s^2]`
+        horizon 2 s
+            2 s => write `2 [s]`
+        horizon 2s
+            2s => write `2 [s]`
+        start { z: 2 m }
+            m => a unit as `2 [m]` and a product as `2*m`
+        parameters { m: kg = 1, g: m/s^2 = 9,81 } coordinates { y: m, z: m }
+            9,81 => write `9.81`
+        horizon 1,5 [s] start { z: 0,5, y: 2 }
+            1,5 => write `1.5`
+            0,5 => write `0.5`
+        lagrangian m/2*|dot((y, z))|^2 - m*9,81*z
+            9,81 => write `9.81`
+        lagrangian 2.0_f64*m/4*|dot((y, z))|^2 - m*g*z
+            2.0_f64 => write `2.0`
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z*PI
+            E01 PI => the number is `pi`
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z*std::f64::consts::PI
+            std::f64::consts::PI => write `pi`
+        ",
+    );
 }
 
 #[test]
 fn missing_parts_are_answered_by_what_to_write() {
-    let comma = |entry: &str| format!("a comma is missing before `{entry}`");
-    let (y, z, velocity) = (comma("g"), comma("z"), comma("dot(z)"));
-    assert_answers(&[
-        (
-            "parameters { m: kg = 1 g: m/s^2 = 9.81 } coordinates { y: m z: m }",
-            &[("", "g", &y), ("", "z", &z)],
-        ),
-        ("start { y: 1 z: 2 }", &[("", "z", &z)]),
-        ("start { y: 1 dot(z): 2 }", &[("", "dot", &velocity)]),
-        ("finally { y == 1 [m] z == 2 [m] }", &[("", "z", &z)]),
-        ("free { y z }", &[("", "z", &z)]),
-        (
-            "lagrangian m/2*|dot((y z))|^2 - m*g*z",
-            &[("", "z", "components as `y, z`")],
-        ),
-        (
-            "surface a: z >= 0 impact a: restitution",
-            &[("", "restitution", "as in `restitution 0.5`")],
-        ),
-        (
-            "surface a: z >= 0 impact a: restitution, friction 0.3",
-            &[("", "restitution", "as in `restitution 0.5`")],
-        ),
-        (
-            "surface a: z >= 0 impact a: restitution = 0.7",
-            &[("", "=", "write `restitution 0.7`")],
-        ),
-    ]);
+    assert_answers(
+        r"
+        parameters { m: kg = 1 g: m/s^2 = 9.81 } coordinates { y: m z: m }
+            g => a comma is missing before `g`
+            z => a comma is missing before `z`
+        start { y: 1 z: 2 }
+            z => a comma is missing before `z`
+        start { y: 1 dot(z): 2 }
+            dot => a comma is missing before `dot(z)`
+        finally { y == 1 [m] z == 2 [m] }
+            z => a comma is missing before `z`
+        free { y z }
+            z => a comma is missing before `z`
+        lagrangian m/2*|dot((y z))|^2 - m*g*z
+            z => components as `y, z`
+        surface a: z >= 0 impact a: restitution
+            restitution => as in `restitution 0.5`
+        surface a: z >= 0 impact a: restitution, friction 0.3
+            restitution => as in `restitution 0.5`
+        surface a: z >= 0 impact a: restitution = 0.7
+            = => write `restitution 0.7`
+        ",
+    );
 }
 
 #[test]
 fn habits_of_other_languages_are_answered_by_what_to_write() {
-    assert_answers(&[
-        (
-            "lagrangian m/2*pow(dot(y), 2) + m/2*d(z)^2",
-            &[("E01", "pow", "`x^2`"), ("E01", "d", "`dot(y)`")],
-        ),
-        (
-            "lagrangian m/2*|dot((y, z))|^2 - mgz",
-            &[("E01", "mgz", "write `m*g*z`")],
-        ),
-        (
-            "lagrangian m/2|dot((y, z))|^2 - m*g*z",
-            &[("", "|", "write a product as `m/2*|...|`")],
-        ),
-        (
-            "lagrangian m/2*|dot((y, z))|^2 - m*g*z*sin^2(y/z)",
-            &[("", "(", "write `sin(...)^2`")],
-        ),
-        (
-            "parameters { m (kg) = 1, g [m/s^2] = 9.81 } coordinates { y: m, z: m }",
-            &[
-                ("", "(kg)", "write `m: kg`"),
-                ("", "[m/s^2]", "write `g: m/s^2`"),
-            ],
-        ),
-        (
-            "controls { u: N = 0 in -1..=1 } forces { y: u }",
-            &[("", "in", "bounds stand before the value")],
-        ),
-        (
-            "# a comment that isn't one\nlet a = y'",
-            &[("", "#", "write `//`"), ("", "y'", "`dot(y)`")],
-        ),
-        (
-            "surface z >= 0",
-            &[("", ">", "as in `surface ground: z >= 0`")],
-        ),
-    ]);
+    assert_answers(
+        r"
+        lagrangian m/2*pow(dot(y), 2) + m/2*d(z)^2
+            E01 pow => `x^2`
+            E01 d => `dot(y)`
+        lagrangian m/2*|dot((y, z))|^2 - mgz
+            E01 mgz => write `m*g*z`
+        lagrangian m/2|dot((y, z))|^2 - m*g*z
+            | => write a product as `m/2*|...|`
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z*sin^2(y/z)
+            ( => write `sin(...)^2`
+        parameters { m (kg) = 1, g [m/s^2] = 9.81 } coordinates { y: m, z: m }
+            (kg) => write `m: kg`
+            [m/s^2] => write `g: m/s^2`
+        controls { u: N = 0 in -1..=1 } forces { y: u }
+            in => bounds stand before the value
+        # a comment that isn't one\nlet a = y'
+            # => write `//`
+            y' => `dot(y)`
+        surface z >= 0
+            > => as in `surface ground: z >= 0`
+        ",
+    );
 }
 
 #[test]
@@ -236,7 +197,7 @@ fn surfaces_that_nothing_ever_touches_are_doubted() {
         (of("exp(-z/1 [m]) + tanh(y/1 [m]) >= -3"), "less than 2;"),
         (of("max(z, y^2/1 [m] + 2 [m]) >= 0"), "less than 2 m;"),
     ] {
-        assert_answers(&[(&text, &[("E07", "a", least)])]);
+        assert_answers(&format!("        {text}\n            E07 a => {least}"));
     }
     // What can be touched at one place, or by one piece, is not.
     for gap in [
@@ -247,83 +208,128 @@ fn surfaces_that_nothing_ever_touches_are_doubted() {
         "1/(y + 2 [m]) >= -1/1 [m]",
         "z >= 0.1*t*1 [m/s]",
     ] {
-        assert_answers(&[(&of(gap), &[])]);
+        assert_answers(&format!("        {}", of(gap)));
     }
 }
 
 #[test]
 fn places_and_angles_are_doubted_where_they_are_written() {
-    assert_answers(&[
-        (
-            "surface a: z >= 1 [m] impact a: inelastic start { y: 7, z: 0.25 }",
-            &[("E08", "0.25", "gap of surface `a` is -0.75 m < 0")],
-        ),
-        (
-            "surface a: z >= 1 [m] impact a: inelastic",
-            &[("E08", "a", "write `start { z: ... }`")],
-        ),
-        (
-            "constraint c: theta <= 30",
-            &[("E23", "30", "write `30 [deg]`")],
-        ),
-        (
-            "surface a: -90 <= theta impact a: inelastic",
-            &[("E23", "-90", "write `-90 [deg]`")],
-        ),
-        ("start { theta: 45 }", &[("E23", "45", "write `45 [deg]`")]),
-        (
-            "constraint c: theta <= 30 [rad] start { theta: 45 [deg], dot(theta): 20 }",
-            &[],
-        ),
-        ("constraint c: theta <= 2*pi", &[]),
-        (
-            "constraint c: sin(theta) <= sin(30)",
-            &[("E23", "30", "the argument of `sin` is in rad")],
-        ),
-        ("constraint c: sin(theta) <= cos(30 [deg]) + sin(2)", &[]),
-        ("let a = y", &[("E16", "a", "leave it out")]),
-    ]);
+    assert_answers(
+        r"
+        surface a: z >= 1 [m] impact a: inelastic start { y: 7, z: 0.25 }
+            E08 0.25 => gap of surface `a` is -0.75 m < 0
+        surface a: z >= 1 [m] impact a: inelastic
+            E08 a => write `start { z: ... }`
+        constraint c: theta <= 30
+            E23 30 => write `30 [deg]`
+        surface a: -90 <= theta impact a: inelastic
+            E23 -90 => write `-90 [deg]`
+        start { theta: 45 }
+            E23 45 => write `45 [deg]`
+        constraint c: theta <= 30 [rad] start { theta: 45 [deg], dot(theta): 20 }
+        constraint c: theta <= 2*pi
+        constraint c: sin(theta) <= sin(30)
+            E23 30 => the argument of `sin` is in rad
+        constraint c: sin(theta) <= cos(30 [deg]) + sin(2)
+        let a = y
+            E16 a => leave it out
+        ",
+    );
 }
 
 #[test]
 fn units_and_unused_names_hide_no_other_mistakes() {
-    assert_answers(&[
+    assert_answers(
+        r"
         // Units that differ, an unused name, a start inside the ground.
-        (
-            "let a = y lagrangian m/2*|dot((y, z))|^2 - m*g surface f: z >= 1 [m] impact f: inelastic start { z: 0.5 }",
-            &[
-                ("E16", "a", "never used"),
-                ("E03", "-", "`m*g` is in N"),
-                ("E08", "0.5", "-0.5 m"),
-            ],
-        ),
+        let a = y lagrangian m/2*|dot((y, z))|^2 - m*g surface f: z >= 1 [m] impact f: inelastic start { z: 0.5 }
+            E16 a => never used
+            E03 - => `m*g` is in N
+            E08 0.5 => -0.5 m
         // A coordinate without inertia.
-        (
-            "lagrangian m/2*dot(y)^2 - m*g*y surface f: z >= 1 impact f: inelastic",
-            &[("E05", "z", "kinetic energy"), ("E03", "z >= 1", "`1 [m]`")],
-        ),
+        lagrangian m/2*dot(y)^2 - m*g*y surface f: z >= 1 impact f: inelastic
+            E05 z => kinetic energy
+            E03 z >= 1 => `1 [m]`
         // A negative kinetic energy, which shows in what is derived only.
-        (
-            "lagrangian m/2*dot(y)^2 - m/2*dot(z)^2 - m*g*z finally { y == 3 }",
-            &[("E06", "z", "signs"), ("E03", "y == 3", "`3 [m]`")],
-        ),
+        lagrangian m/2*dot(y)^2 - m/2*dot(z)^2 - m*g*z finally { y == 3 }
+            E06 z => signs
+            E03 y == 3 => `3 [m]`
         // Two terms of one sum; the third one fits the first of them.
-        (
-            "lagrangian m/2*|dot((y, z))|^2 - m*g + m*z - m*g",
-            &[
-                ("E03", "-", "`m*g` is in N"),
-                ("E03", "+", "`m*z` is in kg m"),
-            ],
-        ),
+        lagrangian m/2*|dot((y, z))|^2 - m*g + m*z - m*g
+            E03 - => `m*g` is in N
+            E03 + => `m*z` is in kg m
         // A name that is not declared hides no place.
-        (
-            "surface f: z >= 1 [m] impact f: inelastic forces { y: q } start { z: 0.5 }",
-            &[("E01", "q", "not declared"), ("E08", "0.5", "-0.5 m")],
-        ),
+        surface f: z >= 1 [m] impact f: inelastic forces { y: q } start { z: 0.5 }
+            E01 q => not declared
+            E08 0.5 => -0.5 m
         // What could not be read is no start at zero.
-        (
-            "surface f: z >= 1 [m] impact f: inelastic start { z: 2 ~ }",
-            &[("", "~", "expected `,` or `}`")],
-        ),
-    ]);
+        surface f: z >= 1 [m] impact f: inelastic start { z: 2 ~ }
+            ~ => expected `,` or `}`
+        ",
+    );
+}
+
+#[test]
+fn mistakes_stand_at_the_words_that_make_them() {
+    assert_answers(
+        r"
+        constraint top: z <= 3 [m] free { dot(y) in 1..=3, z in 2..=1 } start { dot(y): 4 }
+            E17 2..=1 => lower bound 2 of `z` lies above its upper bound 1
+            E17 4 => `dot(y)` starts at 4, outside its bounds 1..=3
+        lagrangian m/2*(dot(y) + dot(z))^2 - m*g*z
+            E06 z => `z` carries no inertia of its own
+        lagrangian m/2*dot(z)^2 - m*g*z - m*g*y
+            E05 y => the Lagrangian is not quadratic in `dot(y)`
+        lagrangian -m*g*z
+            E04 lagrangian => the Lagrangian contains no velocity
+        surface a: z >= 0 surface b: y >= 0 impact a: restitution 1.2 impact b: inelastic, friction -0.3
+            E10 1.2 => is outside [0, 1]
+            E10 -0.3 => the force would drive the sliding
+        surface a: z >= 0 surface b: y >= 0 impact a: inelastic, holding z impact b: inelastic, holding x
+            E09 a => all coordinates that the gap of `a` depends on are held
+            E01 x => `x` is not declared (coordinates: `y`, `z`)
+        surface a: z >= 0 impact a: inelastic, restitution 0.5
+            E20 inelastic => `inelastic` and `restitution` exclude each other
+        surface a: z >= 0 impact a: inelastic, along (1, 1), friction 0.3
+            E20 along => `along` and `friction` exclude each other
+        surface a: z >= 0 impact a: inelastic, sliding dot(y)
+            E20 sliding => there is no `friction`
+        surface a: z >= 0 impact a: inelastic, friction 0.3, sliding y
+            E07 y => the sliding velocity `y` contains no velocity
+        surface a: y >= 0 impact a: inelastic, friction 0.3, sliding dot(z)/1 [m]
+            E03 dot(z)/1 [m] => is in 1/s, where m/s is needed
+        surface a: theta >= 0 impact a: inelastic, friction m/1 [kg]
+            E20 m/1 [kg] => `friction` of `a` needs the sliding velocity
+        parameters { m: kg = 1, g: m/s^2 = 9.81, clock = 1 } coordinates { y: m, z: m }
+            E11 clock => reserved for the clock of the time-freezing reformulation
+        controls { u: N } forces { y: u } finally { u == 0, y = 3 [m] }
+            E15 u => a terminal condition depends on the control `u`
+            = => a condition is written with `==`, `>=` or `<=`
+        constraint mass: m >= 0 constraint late: y <= 1 [m/s]*time
+            E15 m >= 0 => is the same for every motion
+            E01 time => the time at each instant is `t`
+        controls { u: N } forces { y: u } minimize time + integral(u^2) finally { y == 1 }
+            E03 + => `time` is in s
+            E03 y == 1 => `1` has no unit
+        lagrangian m/2*|dot((y, z))|^2 - m*g*abs(z)
+            E12 abs(z) => `abs` has a kink or a jump
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z - m*|dot((y, z))|*1 [m/s]
+            E13 m/2*|dot((y, z))|^2 - m*g*z - m*|dot((y, z))|*1 [m/s] => not differentiable at rest
+        surface a: m >= 0 impact a: inelastic
+            E07 m >= 0 => surface `a` depends on no coordinate
+        surface a: z + 1 [m] >= z impact a: inelastic
+            E09 z + 1 [m] >= z => the coordinates cancel out of surface `a`
+        surface a: z >= 0 impact ab: inelastic
+            E20 a => surface `a` has no impact law
+            E20 ab => there is no surface `ab`
+        surface a: z >= 0 surface b: 2*z >= 0 impact a, b: inelastic
+            E18 b => surfaces `a` and `b` are the same
+        surface a: dot(z) >= 0 impact a: inelastic
+            E07 dot(z) >= 0 => surface `a` depends on the velocity `dot(z)`
+        surface a: z >= 45 - y/2 impact a: inelastic
+            E03 - => `45` has no unit, `y/2` is in m
+        lagrangian m/2*dot((y, z)) - m*g*z
+            E02 - => both must have the same size
+        ",
+    );
 }

@@ -298,7 +298,7 @@ impl Plan {
             sequence: &self.sequence,
             guess: &self.trajectory,
             cuts,
-            purpose: Purpose::Again,
+            purpose: Purpose::Near,
         };
         attempts.attempt(runner, attempt);
         let Some(again) = &attempts.best else {

@@ -8,7 +8,7 @@ use hangtime_solver::nlp;
 
 use crate::model::Model;
 use crate::ocp::tuning::attempt::{
-    AFTER_CUT, FIRST, FIRST_TOLERANCE, NEIGHBOUR, POLISH, POLISH_ITERATIONS, QUICK, ROUNDS, SECOND,
+    AFTER_CUT, FIRST, FIRST_TOLERANCE, NEIGHBOUR, POLISH, POLISH_ITERATIONS, ROUNDS, SECOND,
 };
 use crate::ocp::tuning::equal::ROUNDING;
 use crate::ocp::tuning::freezing::PUSH;
@@ -57,9 +57,6 @@ pub(in crate::ocp) enum Purpose {
     Explore,
     /// It is that of a motion which is near a solution of it.
     Near,
-    /// It is that of a plan that is solved, stated otherwise: with other elements, or as the re-simulation has it. Nothing is claimed where
-    /// it has no solution.
-    Again,
 }
 
 /// A sequence that was attempted.
@@ -285,22 +282,18 @@ impl<'a, 'e> Attempts<'a, 'e> {
             return Err(nlp::Status::Interrupted);
         }
         let mut program = transcribe(self.setting, sequence, guess, cuts, self.elements);
-        let proves = runner.effort.proves();
         let barriers = match (&self.best, purpose) {
             // After a cut the motion is a start that others do not better.
-            _ if !proves && before.is_some() => &[],
-            (None, Purpose::Again | Purpose::Explore) => &QUICK[..],
-            (None, _) if !proves => &QUICK[..],
+            _ if !runner.effort.proves() && before.is_some() => &[],
             (None, _) => &FIRST[..],
             (Some(_), Purpose::Compare) => &NEIGHBOUR[..],
-            (Some(_), Purpose::Explore | Purpose::Near | Purpose::Again) => &NEIGHBOUR[..1],
+            (Some(_), Purpose::Explore | Purpose::Near) => &NEIGHBOUR[..1],
         };
         let compares = purpose == Purpose::Compare;
         let near = self.best.as_ref().filter(|_| compares);
         let restores = |last: bool| match &self.best {
             Some(_) if compares && last => usize::MAX,
             Some(_) => 0,
-            None if proves && purpose == Purpose::Near => usize::MAX,
             None => RESTORED,
         };
         let known = match (before, near) {
@@ -309,9 +302,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (None, None) => None,
         };
         let warm = known.map(|(run, known)| (run, 0, Some(known)));
-        let stays = matches!(purpose, Purpose::Near | Purpose::Again)
-            && self.best.is_none()
-            && before.is_none();
+        let stays = purpose == Purpose::Near && self.best.is_none() && before.is_none();
         let near = stays.then_some((NEIGHBOUR[0], 0, None));
         // A deep cut leaves little of that solution but the motion itself.
         let again = before.map(|_| (AFTER_CUT, 0, None));

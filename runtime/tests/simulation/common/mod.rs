@@ -30,6 +30,18 @@ pub(crate) fn start(q: &[f64], v: &[f64], horizon: f64) -> InitialValueProblem {
     }
 }
 
+/// The problem with a control that is constant on equal intervals.
+pub(crate) fn pushed(forces: &[f64], problem: InitialValueProblem) -> InitialValueProblem {
+    let length = problem.horizon / forces.len() as f64;
+    InitialValueProblem {
+        controls: ControlSignal::PiecewiseConstant {
+            times: (0..forces.len()).map(|k| length * k as f64).collect(),
+            values: forces.iter().map(|&force| vec![force]).collect(),
+        },
+        ..problem
+    }
+}
+
 /// Position and velocity at the end.
 pub(crate) fn last(trajectory: &Trajectory) -> (&[f64], &[f64]) {
     (

@@ -1,9 +1,9 @@
 //! Chained academic problems.
 
-use super::{INF, Statement, random, x};
+use super::{INF, Stated, Statement, random, x};
 
 /// Chained Rosenbrock function with trigonometric-exponential constraints (Luksan and Vlcek 1999, 5.1).
-pub(super) fn luksan_vlcek_1(n: usize, inequality: bool) -> String {
+pub(super) fn luksan_vlcek_1(n: usize, inequality: bool) -> Stated {
     let mut s = Statement::new(&format!("lukvl{}1", if inequality { "i" } else { "e" }));
     for i in 0..n {
         s.variable(-INF, INF, if i % 2 == 0 { -1.2 } else { 1.0 });
@@ -26,17 +26,19 @@ pub(super) fn luksan_vlcek_1(n: usize, inequality: bool) -> String {
 }
 
 /// Chained Wood function with Broyden banded constraints (Luksan and Vlcek 1999, 5.2, first form).
-pub(super) fn luksan_vlcek_2(n: usize) -> String {
+pub(super) fn luksan_vlcek_2(n: usize) -> Stated {
     let mut s = Statement::new("lukvle2");
     for i in 0..n {
         s.variable(-INF, INF, if i % 2 == 0 { -2.0 } else { 1.0 });
     }
     for i in 0..n / 2 - 1 {
-        let [a, b, c, d] = [2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 3].map(x);
+        let v = [2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 3];
+        let [a, b, c, d] = v.map(x);
         s.minimize(
             format!(
                 "100*({a}^2 - {b})^2 + ({a} - 1)^2 + 90*({c}^2 - {d})^2 + ({c} - 1)^2 + 10*({b} + {d} - 2)^2 + 0.1*({b} - {d})^2"
-            ));
+            ),
+        );
     }
     for k in 5..n - 2 {
         let mut text = format!("(2 + 5*{0}^2)*{0} + 1", x(k));
@@ -49,17 +51,19 @@ pub(super) fn luksan_vlcek_2(n: usize) -> String {
 }
 
 /// Chained Cragg-Levy function with tridiagonal constraints (Luksan and Vlcek 1999, 5.4).
-pub(super) fn luksan_vlcek_4(n: usize) -> String {
+pub(super) fn luksan_vlcek_4(n: usize) -> Stated {
     let mut s = Statement::new("lukvle4");
     for i in 0..n {
         s.variable(-INF, INF, if i % 4 == 0 { 1.0 } else { 2.0 });
     }
     for i in 0..n / 2 - 1 {
-        let [a, b, c, d] = [2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 3].map(x);
+        let v = [2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 3];
+        let [a, b, c, d] = v.map(x);
         s.minimize(
             format!(
                 "(exp({a}) - {b})^4 + 100*({b} - {c})^6 + (sin({c} - {d})/cos({c} - {d}))^4 + {a}^8 + ({d} - 1)^2"
-            ));
+            ),
+        );
     }
     for k in 0..n - 2 {
         let (a, b, c) = (x(k), x(k + 1), x(k + 2));
@@ -71,7 +75,7 @@ pub(super) fn luksan_vlcek_4(n: usize) -> String {
 }
 
 /// Chained HS46 with constraints of HS46 (Luksan and Vlcek 1999, 5.7).
-pub(super) fn luksan_vlcek_7(n: usize) -> String {
+pub(super) fn luksan_vlcek_7(n: usize) -> Stated {
     let mut s = Statement::new("lukvle7");
     for i in 0..n {
         s.variable(-INF, INF, [2.0, 1.5, 0.5][i % 3]);
@@ -88,7 +92,7 @@ pub(super) fn luksan_vlcek_7(n: usize) -> String {
 }
 
 /// A sparse program without the structure of time: random coupling within a band, `n` unknowns, `n/2` rows.
-pub(crate) fn banded(n: usize) -> String {
+pub(crate) fn banded(n: usize) -> Stated {
     let mut s = Statement::new("random_banded");
     let mut random = random(99);
     for _ in 0..n {
@@ -103,8 +107,8 @@ pub(crate) fn banded(n: usize) -> String {
             x(near)
         ));
     }
-    for k in 0..n / 2 {
-        let base = (2 * k).min(n - 9);
+    for row in 0..n / 2 {
+        let base = (2 * row).min(n - 9);
         let mut index = || base + (random() * 8.0) as usize;
         let (a, b, c) = (index(), index(), index());
         s.row(-0.5, 1.5, format!("{}*{} + sin({})", x(a), x(b), x(c)));

@@ -2,16 +2,13 @@
 
 use std::f64::consts::PI;
 
-use super::{INF, Statement, x};
+use super::{INF, Stated, Statement, x};
 
 /// The end of the horizon: given, or unknown with bounds and start.
 enum Horizon {
     Given(f64),
     Unknown(f64, f64, f64),
 }
-
-/// The variable of an unknown horizon.
-const HORIZON: usize = 0;
 
 /// Bounds and start of a state at a node.
 type State = ((f64, f64), f64);
@@ -50,45 +47,40 @@ fn ends(
     }
 }
 
-/// Unknowns, rows and cost, and the states at the end.
-fn discretize(grid: &Grid<'_>) -> (Statement, Vec<String>) {
+/// Unknowns and rows, and the states at the last node. With an unknown horizon its variable comes first.
+fn discretize(grid: &Grid<'_>) -> (Statement, Vec<usize>) {
     let mut s = Statement::new(grid.name);
     let time = match grid.horizon {
         Horizon::Given(value) => value.to_string(),
         Horizon::Unknown(lower, upper, start) => x(s.variable(lower, upper, start)),
     };
     let length = grid.intervals as f64;
-    let mut last: Option<(Vec<String>, Vec<String>)> = None;
+    let mut before: Option<(Vec<usize>, Vec<String>)> = None;
     for k in 0..=grid.intervals {
-        let states: Vec<String> = (grid.states)(k)
-            .into_iter()
-            .map(|((lower, upper), start)| x(s.variable(lower, upper, start)))
-            .collect();
+        let states = (grid.states)(k).into_iter();
+        let states = states.map(|((lower, upper), start)| s.variable(lower, upper, start));
+        let states: Vec<usize> = states.collect();
         let control = x(s.variable(grid.control.0, grid.control.1, 0.0));
-        let rates = (grid.rates)(&states, &control);
-        let weight = if k == 0 || k == grid.intervals {
-            0.5
-        } else {
-            1.0
-        } / length;
+        let names: Vec<String> = states.iter().map(|&i| x(i)).collect();
+        let rates = (grid.rates)(&names, &control);
+        let is_end = k == 0 || k == grid.intervals;
+        let weight = if is_end { 0.5 } else { 1.0 } / length;
         if let Some(cost) = grid.cost {
-            s.minimize(format!("{time}*{weight}*({})", cost(&states, &control)));
+            s.minimize(format!("{time}*{weight}*({})", cost(&names, &control)));
         }
-        if let Some((old_states, old_rates)) = &last {
+        if let Some((old, previous)) = before {
             let half = 0.5 / length;
             for i in 0..states.len() {
-                s.equality(format!(
-                    "{} - {} - {time}*{half}*({} + {})",
-                    states[i], old_states[i], rates[i], old_rates[i]
-                ));
+                let (new, old, rate, last) = (x(states[i]), x(old[i]), &rates[i], &previous[i]);
+                s.equality(format!("{new} - {old} - {time}*{half}*({rate} + {last})"));
             }
         }
-        last = Some((states, rates));
+        before = Some((states, rates));
     }
-    (s, last.map(|(states, _)| states).unwrap_or_default())
+    (s, before.map_or_else(Vec::new, |last| last.0))
 }
 
-pub(crate) fn van_der_pol(name: &str, intervals: usize) -> String {
+pub(crate) fn van_der_pol(name: &str, intervals: usize) -> Stated {
     let (s, _) = discretize(&Grid {
         name,
         intervals,
@@ -106,7 +98,7 @@ pub(crate) fn van_der_pol(name: &str, intervals: usize) -> String {
     s.finish()
 }
 
-pub(super) fn brachistochrone(intervals: usize) -> String {
+pub(super) fn brachistochrone(intervals: usize) -> Stated {
     let guess = |s: f64| vec![2.0 * s, 2.0 * s, 5.0 * s];
     let last = [Some(2.0), Some(2.0), None];
     let (mut s, _) = discretize(&Grid {
@@ -124,11 +116,11 @@ pub(super) fn brachistochrone(intervals: usize) -> String {
         },
         cost: None,
     });
-    s.minimize(x(HORIZON));
+    s.minimize(x(0));
     s.finish()
 }
 
-pub(super) fn double_integrator(intervals: usize) -> String {
+pub(super) fn double_integrator(intervals: usize) -> Stated {
     let (mut s, _) = discretize(&Grid {
         name: "double_integrator",
         intervals,
@@ -140,11 +132,11 @@ pub(super) fn double_integrator(intervals: usize) -> String {
         rates: &|x, u| vec![x[1].clone(), u.to_owned()],
         cost: None,
     });
-    s.minimize(x(HORIZON));
+    s.minimize(x(0));
     s.finish()
 }
 
-pub(super) fn cart_pole(name: &str, intervals: usize) -> String {
+pub(super) fn cart_pole(name: &str, intervals: usize) -> Stated {
     let last = [Some(1.0), Some(PI), Some(0.0), Some(0.0)];
     let (s, _) = discretize(&Grid {
         name,
@@ -167,7 +159,7 @@ pub(super) fn cart_pole(name: &str, intervals: usize) -> String {
     s.finish()
 }
 
-pub(super) fn pendulum(intervals: usize) -> String {
+pub(super) fn pendulum(intervals: usize) -> Stated {
     let (mut s, _) = discretize(&Grid {
         name: "pendulum_swing_up",
         intervals,
@@ -179,13 +171,13 @@ pub(super) fn pendulum(intervals: usize) -> String {
         rates: &|x, u| vec![x[1].clone(), format!("({u} - 9.81*sin({}))", x[0])],
         cost: Some(&|_, u| format!("0.01*{u}^2")),
     });
-    s.minimize(x(HORIZON));
+    s.minimize(x(0));
     s.finish()
 }
 
 /// Mixing of two catalysts in a tubular reactor (COPS 3.0, problem 14).
-pub(super) fn catalyst_mixing(intervals: usize) -> String {
-    let (mut s, end) = discretize(&Grid {
+pub(super) fn catalyst_mixing(intervals: usize) -> Stated {
+    let (mut s, last) = discretize(&Grid {
         name: "catalyst_mixing",
         intervals,
         horizon: Horizon::Given(1.0),
@@ -199,12 +191,12 @@ pub(super) fn catalyst_mixing(intervals: usize) -> String {
         },
         cost: Some(&|_, u| format!("0.0001*({u} - 0.5)^2")),
     });
-    s.minimize(format!("{} + {} - 1", end[0], end[1]));
+    s.minimize(format!("{} + {} - 1", x(last[0]), x(last[1])));
     s.finish()
 }
 
 /// Goddard rocket with free final time, unknowns altitude, speed, mass, thrust (COPS 3.0, problem 10).
-pub(super) fn goddard(intervals: usize) -> String {
+pub(super) fn goddard(intervals: usize) -> Stated {
     let states = |k: usize| {
         let at = k as f64 / intervals as f64;
         let bounds = match k {
@@ -215,7 +207,7 @@ pub(super) fn goddard(intervals: usize) -> String {
         let start = [1.0, at * (1.0 - at), 1.0 - 0.4 * at];
         bounds.into_iter().zip(start).collect()
     };
-    let (mut s, end) = discretize(&Grid {
+    let (mut s, last) = discretize(&Grid {
         name: "goddard_rocket",
         intervals,
         horizon: Horizon::Unknown(0.01, 1.0, 0.2),
@@ -231,6 +223,6 @@ pub(super) fn goddard(intervals: usize) -> String {
         },
         cost: None,
     });
-    s.minimize(format!("-{}", end[0]));
+    s.minimize(format!("-{}", x(last[0])));
     s.finish()
 }

@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use super::{INF, Statement, x};
+use super::{INF, Stated, Statement, x};
 
 /// Shape of least potential energy of a chain of given length between two points (COPS 3.0, problem 3); a running
 /// length, so that no row is dense.
-pub(super) fn hanging_chain(nodes: usize) -> String {
+pub(super) fn hanging_chain(nodes: usize) -> Stated {
     let mut s = Statement::new("hanging_chain");
     let h = 1.0 / nodes as f64;
     let mut height = Vec::new();
@@ -21,7 +21,7 @@ pub(super) fn hanging_chain(nodes: usize) -> String {
         height.push(s.variable(lower, upper, 4.0 * at * (0.5 * at - 0.25) + 1.0));
         slope.push(s.variable(-INF, INF, 4.0 * (at - 0.25)));
     }
-    let mut before = String::from("0");
+    let mut before: Option<usize> = None;
     for k in 0..nodes {
         let [c, d, u, w] = [height[k], height[k + 1], slope[k], slope[k + 1]].map(x);
         let half = 0.5 * h;
@@ -30,18 +30,20 @@ pub(super) fn hanging_chain(nodes: usize) -> String {
             "{half}*({c}*sqrt(1 + {u}^2) + {d}*sqrt(1 + {w}^2))"
         ));
         let length = s.variable(-INF, INF, 4.0 * (k as f64 + 1.0) * h);
+        let text = before.map_or_else(|| String::from("0"), x);
         s.equality(format!(
-            "{} - {before} - {half}*(sqrt(1 + {u}^2) + sqrt(1 + {w}^2))",
+            "{} - {text} - {half}*(sqrt(1 + {u}^2) + sqrt(1 + {w}^2))",
             x(length)
         ));
-        before = x(length);
+        before = Some(length);
     }
-    s.row(4.0, 4.0, before);
+    let end = before.expect("at least one node");
+    s.row(4.0, 4.0, x(end));
     s.finish()
 }
 
 /// Elliptic control with bounds on state and control on a square grid (Mittelmann 2001).
-pub(super) fn elliptic_control(side: usize) -> String {
+pub(super) fn elliptic_control(side: usize) -> Stated {
     let mut s = Statement::new("elliptic_control");
     let h = 1.0 / (side + 1) as f64;
     let mut field = |upper, lower| -> Vec<usize> {
@@ -85,10 +87,9 @@ pub(super) fn elliptic_control(side: usize) -> String {
 }
 
 /// Minimal surface over an obstacle, bounds only (COPS 3.0, problem 17).
-pub(super) fn obstacle_surface(side: usize) -> String {
+pub(super) fn obstacle_surface(side: usize) -> Stated {
     let mut s = Statement::new("obstacle_surface");
     let h = 1.0 / (side + 1) as f64;
-    // names of the unknowns, and the values that are given on the edge
     let mut heights = vec![vec![String::from("0"); side + 2]; side + 2];
     for (i, line) in heights.iter_mut().enumerate().take(side + 1).skip(1) {
         for (j, height) in line.iter_mut().enumerate() {
@@ -105,7 +106,7 @@ pub(super) fn obstacle_surface(side: usize) -> String {
     }
     for i in 0..=side {
         for j in 0..=side {
-            let (c, r, u) = (&heights[i][j], &heights[i + 1][j], &heights[i][j + 1]);
+            let [c, r, u] = [&heights[i][j], &heights[i + 1][j], &heights[i][j + 1]];
             s.minimize(format!(
                 "{}*sqrt(1 + (({r} - {c})/{h})^2 + (({u} - {c})/{h})^2)",
                 h * h

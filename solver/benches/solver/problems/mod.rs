@@ -1,4 +1,4 @@
-//! Scalable nonlinear programs, stated as text, so that another solver can read the very same ones.
+//! Scalable nonlinear programs as texts, so that another solver can read the very same ones.
 
 mod chained;
 mod control;
@@ -10,69 +10,57 @@ pub(crate) use control::van_der_pol;
 
 const INF: f64 = f64::INFINITY;
 
+/// A problem and its name.
+pub(crate) struct Stated {
+    pub(crate) name: String,
+    pub(crate) text: String,
+}
+
 /// A problem under construction.
+#[derive(Default)]
 struct Statement {
     name: String,
-    bounds: Vec<(f64, f64)>,
-    start: Vec<f64>,
-    minimize: Vec<String>,
-    rows: Vec<(f64, f64, String)>,
+    start: Vec<String>,
+    /// Lines of bounds, terms of the objective and rows.
+    lines: Vec<String>,
 }
 
 impl Statement {
     fn new(name: &str) -> Self {
         Self {
             name: name.to_owned(),
-            bounds: Vec::new(),
-            start: Vec::new(),
-            minimize: Vec::new(),
-            rows: Vec::new(),
+            ..Self::default()
         }
     }
 
     fn variable(&mut self, lower: f64, upper: f64, start: f64) -> usize {
-        self.bounds.push((lower, upper));
-        self.start.push(start);
-        self.start.len() - 1
+        self.start.push(start.to_string());
+        let number = self.start.len();
+        if lower.is_finite() || upper.is_finite() {
+            self.lines.push(format!("bounds {number} {lower} {upper}"));
+        }
+        number - 1
     }
 
     fn row(&mut self, lower: f64, upper: f64, text: String) {
-        self.rows.push((lower, upper, text));
+        self.lines.push(format!("row {lower} {upper} {text}"));
     }
 
     fn equality(&mut self, text: String) {
         self.row(0.0, 0.0, text);
     }
 
-    /// A term of the objective.
     fn minimize(&mut self, text: String) {
-        self.minimize.push(text);
+        self.lines.push(format!("minimize {text}"));
     }
 
-    fn finish(self) -> String {
-        let mut lines = vec![
-            format!("problem {} {}", self.name, self.start.len()),
-            format!(
-                "start {}",
-                self.start
-                    .iter()
-                    .map(f64::to_string)
-                    .collect::<Vec<_>>()
-                    .join(" ")
-            ),
-        ];
-        for (k, (lower, upper)) in self.bounds.iter().enumerate() {
-            if lower.is_finite() || upper.is_finite() {
-                lines.push(format!("bounds {} {lower} {upper}", k + 1));
-            }
+    fn finish(self) -> Stated {
+        let (count, start) = (self.start.len(), self.start.join(" "));
+        let heading = format!("problem {} {count}\nstart {start}\n", self.name);
+        Stated {
+            name: self.name,
+            text: heading + &self.lines.join("\n") + "\n",
         }
-        lines.extend(self.minimize.iter().map(|term| format!("minimize {term}")));
-        lines.extend(
-            self.rows
-                .iter()
-                .map(|(lower, upper, row)| format!("row {lower} {upper} {row}")),
-        );
-        lines.join("\n") + "\n"
     }
 }
 
@@ -92,10 +80,10 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// A problem's name, and how to state it.
-type Named = (&'static str, fn() -> String);
+/// A problem's name, and how to build it.
+type Named = (&'static str, fn() -> Stated);
 
-/// The problems of the comparison, by name, stated one at a time.
+/// The problems of the comparison, by name, built one at a time.
 pub(crate) fn problems() -> Vec<Named> {
     vec![
         ("lukvle1", || chained::luksan_vlcek_1(5000, false)),

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::{INF, Statement, random, x};
+use super::{INF, Stated, Statement, random, x};
 
 /// Convex quadratic program with random sparse rows, from a fixed generator.
-pub(super) fn random_quadratic(n: usize, m: usize) -> String {
+pub(super) fn random_quadratic(n: usize, m: usize) -> Stated {
     let mut s = Statement::new("random_quadratic");
     let mut random = random(12345);
     for _ in 0..n {
@@ -24,6 +24,7 @@ pub(super) fn random_quadratic(n: usize, m: usize) -> String {
         let mut text = String::from("-2");
         for _ in 0..4 {
             let j = base + (random() * 7.0) as usize;
+            // six digits, as in the text
             let coefficient = ((0.5 + random()) * 1e6).round() / 1e6;
             text += &format!(" + {coefficient}*{}", x(j));
         }
@@ -33,7 +34,7 @@ pub(super) fn random_quadratic(n: usize, m: usize) -> String {
 }
 
 /// Optimal power-like network of quadratic flows: conservation at nodes of a ring with chords.
-pub(super) fn network_flow(nodes: usize) -> String {
+pub(super) fn network_flow(nodes: usize) -> Stated {
     let mut s = Statement::new("network_flow");
     let mut balance = vec![String::from("0"); nodes];
     for k in 0..nodes {
@@ -59,7 +60,7 @@ pub(super) fn network_flow(nodes: usize) -> String {
 
 /// Polygon of largest area with unit diameter (COPS 3.0, problem 1), without the diameters through the last vertex,
 /// which lies in the origin.
-pub(super) fn polygon(vertices: usize) -> String {
+pub(super) fn polygon(vertices: usize) -> Stated {
     let mut s = Statement::new("polygon");
     let mut r = Vec::new();
     let mut angle = Vec::new();

@@ -1,9 +1,0 @@
-hangtime::model! {
-    pub Ball {
-        parameters { m: kg = 1, g: m/s^2 = 9.81 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*(dot(y) + dot(z))^2 - m*g*z
-    }
-}
-
-fn main() {}

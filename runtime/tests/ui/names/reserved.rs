@@ -1,9 +1,0 @@
-hangtime::model! {
-    pub Ball {
-        parameters { m: kg = 1, g: m/s^2 = 9.81, clock = 1 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*|dot((y, z))|^2 - m*g*z*clock
-    }
-}
-
-fn main() {}

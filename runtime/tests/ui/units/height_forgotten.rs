@@ -1,9 +1,0 @@
-hangtime::model! {
-    pub Ball {
-        parameters { m: kg = 1, g: m/s^2 = 9.81 }
-        coordinates { z: m }
-        lagrangian m/2*dot(z)^2 - m*g
-    }
-}
-
-fn main() {}
