@@ -36,6 +36,14 @@ impl Draw {
         self.between(0.0, 1.0) < probability
     }
 
+    /// 0 with this probability, and otherwise uniform in `from..to`.
+    pub(crate) fn zero_or(&mut self, probability: f64, from: f64, to: f64) -> f64 {
+        match self.chance(probability) {
+            true => 0.0,
+            false => self.between(from, to),
+        }
+    }
+
     /// Log-uniform in `1/factor..factor`.
     pub(crate) fn factor(&mut self, factor: f64) -> f64 {
         let decades = factor.log10();

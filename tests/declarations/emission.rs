@@ -23,8 +23,11 @@ macro_rules! compiled {
 }
 
 compiled! {
+    "models/gallery/biped.hang": Biped,
     "models/gallery/hopper.hang": Hopper,
+    "models/gallery/lander.hang": Lander,
     "models/gallery/thermostat.hang": Thermostat,
+    "tests/declarations/scenes/belt.hang": Belt,
     "tests/declarations/scenes/cart.hang": Cart,
     "tests/declarations/scenes/edges.hang": Edges,
     "tests/declarations/scenes/forces.hang": Forces,
@@ -32,7 +35,11 @@ compiled! {
     "tests/declarations/scenes/joints.hang": Joints,
     "tests/declarations/scenes/long-train.hang": LongTrain,
     "tests/declarations/scenes/repeated.hang": Repeated,
+    "tests/declarations/scenes/rough-bodies.hang": RoughBodies,
     "tests/declarations/scenes/rough-rod.hang": RoughRod,
     "tests/declarations/scenes/shown.hang": Shown,
     "tests/declarations/scenes/top.hang": Top,
+    "zoo/scenes/furuta-friction.hang": FurutaFriction,
+    "zoo/scenes/hollow-sledge.hang": HollowSledge,
+    "zoo/scenes/peg-against-wall.hang": PegAgainstWall,
 }

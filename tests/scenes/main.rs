@@ -10,7 +10,6 @@ mod design;
 mod enclosed;
 mod estimation;
 mod four_bar;
-mod friction;
 mod gradient;
 mod joints;
 mod largest;
