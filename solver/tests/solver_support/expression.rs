@@ -62,8 +62,7 @@ fn function(name: &str, argument: &str) -> String {
         "sin" => "o41",
         "cos" => "o46",
         "atan" => "o49",
-        // cut where it is one to the last digit, as `nl` differentiates it by hyperbolic functions that overflow
-        "tanh" => "o37 o11 2 n300 o12 2 n-300",
+        "tanh" => "o37",
         _ => panic!("unknown function `{name}`"),
     };
     format!("{code} {argument}")
