@@ -39,7 +39,7 @@ fn example_from_its_text_evaluates_to_what_is_compiled() {
         &teaching_models::pendulum_against_wall::PendulumAgainstWall::default(),
     ];
     for compiled in examples {
-        let text = loaded("example.hang", compiled.text().expect("a text"));
+        let text = loaded("example.hang", compiled.text());
         same::assert_same(compiled, &text);
     }
 }

@@ -29,7 +29,7 @@ pub enum Function {
     Terminal,
     /// What is added up over all impacts, then the conditions on impacts, then what conditions set, of `(x, r, s)`.
     Impact,
-    /// [What parameters decide](Held::given) that are coordinates without motion, of `x`.
+    /// [What parameters decide](hangtime_dsl::declaration::Held::given) that are coordinates without motion, of `x`.
     Given,
 }
 

@@ -1,51 +1,4 @@
-//! What a mechanical scene is to the solvers: a Lagrangian system with unilateral contacts.
-//!
-//! The equations of motion in coordinates `q`, velocities `v` and controls `u` are
-//!
-//! ```text
-//! q' = v
-//! v' = a(q, v, u, t) + sum_i d_i(q) r_i          a = M(q)^-1 f(q, v, u, t)
-//! 0 <= g_i(q)  _|_  r_i >= 0                     gap and normal contact acceleration
-//! ```
-//!
-//! `n_i = grad g_i` is the contact normal and `d_i = w_i / (n_i' w_i)` the *contact direction*, scaled
-//! so that `n_i' d_i = 1`. Unless the scene declares another one, `w_i = M^-1 n_i`. The unknown
-//! `r_i` [unit of the gap / s^2] is the normal acceleration that contact `i` provides; the contact
-//! force is `lambda_i = r_i / D_i` with `D_i = n_i' M^-1 n_i`. The same direction carries the impulse
-//! of an impact, `v+ = v- + sum_i d_i p_i`, and the auxiliary dynamics of the time-freezing
-//! reformulation, `v' = a_bar d_i`.
-//!
-//! A contact with *restitution* turns its normal velocity round at an impact, `v_n+ = -e v_n-`.
-//!
-//! A contact with *Coulomb friction* carries a tangential force `lambda_t` as well, along
-//! `b_i = d v_t / dv` for the sliding velocity `v_t,i = b_i' v - w_i`, where the ground moves at the speed `w_i(q, t)`:
-//!
-//! ```text
-//! v' = ... + e_i s_i        e_i = M^-1 b_i / D_i        |s_i| <= mu_i r_i,  s_i v_t,i = -mu_i r_i |v_t,i|
-//! ```
-//!
-//! so that `s_i = D_i lambda_t,i` is measured like `r_i`. Gap and sliding velocity must be scaled
-//! alike: normal and tangential part of one velocity.
-//!
-//! *Dry friction* without a surface ([`ContactDeclaration::dry`]) is a contact that touches always, without gap, normal and
-//! impacts: its normal force is the declared bound `f(q, t)`, so that `r_i = D_i f` is given and `|s_i| <= r_i`. The factor
-//! `D_i > 0` is a scale: `e_i = M^-1 b_i / D_i` for any other would be the same friction.
-//!
-//! A *switch* of what acts ([`Switching`]) is dry friction as well, in another direction.
-//!
-//! A contact that *holds* coordinates acts on the system in which those are locked: `M^-1` in `w`, `D` and `e`
-//! is then the inverse inertia of that system, with zeros in the rows and columns of the held coordinates.
-//!
-//! *Joints* ([`JointsDeclaration`]) are equations that hold all along the motion. `M^-1` is then what it is of the system in which they do,
-//! `M^-1 - M^-1 G' (G M^-1 G')^-1 G M^-1`, in `a`, `w`, `D` and `e` alike, so that whatever acts on a mechanism acts on it as it
-//! can move.
-//!
-//! *States of first order*, `z' = f(q, v, z, u, t)`, are the velocities of coordinates behind those of the mechanism
-//! ([`Declaration::states`]): coordinates of unit mass, on which `f` is the force and which no function reads. They are continuous
-//! through impacts since no contact direction has entries there.
-//!
-//! Every kernel reads one *input vector* `x = (q, v, u)`, with the physical time appended if the
-//! scene depends on it explicitly ([`Declaration::explicit_time`]).
+//! The trait by which solvers know a scene; `hangtime::model` states its equations.
 
 use super::again;
 use super::data::Structure;
@@ -268,7 +221,7 @@ pub trait Model: Send + Sync {
         share.map_or(1.0, |kernel| value(self, kernel, x))
     }
 
-    /// What a unit of the normal or tangential acceleration `r` of each entry of [`ContactDeclaration::loads`] of a dry friction adds to
+    /// What a unit of the normal or tangential acceleration `r` of each entry of [`loads`](hangtime_dsl::declaration::ContactDeclaration::loads) of a dry friction adds to
     /// its given one: `r_dry = D f + sum_i load_i r_i`, which is the bound `f + sum_i c_i lambda_i`, `load_i = c_i D / D_i`.
     fn loads(&self, contact: usize, x: &[f64], loads: &mut [f64]) {
         let known = contact_of(self.structure(), contact);
