@@ -199,6 +199,6 @@ fn counts_of_sixty_steps_are_pinned() {
             simulation.size.variables,
             simulation.size.equalities
         ),
-        @"newton 1058 factorizations 166 evaluations 4101 variables 40 equalities 40"
+        @"newton 1058 factorizations 166 evaluations 4101 variables 12 equalities 12"
     );
 }
