@@ -89,8 +89,11 @@ fn of_family(name: &str, draw: &mut Draw) -> Box<dyn Model> {
 /// What is drawn of a scene: parameters and their values.
 type Drawn = Vec<(&'static str, f64)>;
 
+/// Draws what fills the places of a text.
+type Fill = fn(&Setting, &mut Draw) -> Drawn;
+
 /// Families whose parameters are drawn: their names, scenes, and what is drawn beside what all have.
-const FAMILIES: [(&str, &str, fn(&Setting, &mut Draw) -> Drawn); 6] = [
+const FAMILIES: [(&str, &str, Fill); 6] = [
     ("rods", ROD, rod),
     ("boxes", CRATE, crate_on_incline),
     ("springs", HOPPER, hopper),

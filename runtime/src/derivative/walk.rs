@@ -327,7 +327,7 @@ impl<'w> Walk<'w> {
     fn put_back(&mut self, k: usize) -> Result<(), String> {
         let x = self.at.input(k);
         let closed = match &mut self.joints {
-            Some(joints) => joints.evaluate(&*self.at.acceleration.derivatives, &x),
+            Some(joints) => joints.evaluate(&self.at.acceleration.derivatives, &x),
             None if self.at.acceleration.lines.is_empty() => return Ok(()),
             None => true,
         };

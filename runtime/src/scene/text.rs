@@ -15,9 +15,12 @@ use std::sync::{Arc, Mutex};
 pub struct Declared {
     pub(super) structure: &'static Structure,
     pub(super) text: Cow<'static, str>,
-    /// Derived once more, in all ways that were asked for, and by which parameters (indices).
-    known: Mutex<Vec<(Again, Vec<usize>, Arc<Shared>)>>,
+    /// In all ways that were asked for.
+    known: Mutex<Vec<Derived>>,
 }
+
+/// What was derived once more, how, and by which parameters (indices).
+type Derived = (Again, Vec<usize>, Arc<Shared>);
 
 /// What parameters are in a scene that is derived once more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

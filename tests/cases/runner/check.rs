@@ -29,7 +29,7 @@ pub(crate) fn check(
                     prepared,
                     expectation,
                     outcome: &outcomes[&method],
-                    theirs: theirs.as_ref(),
+                    theirs: theirs.as_deref(),
                 };
                 (method.to_string(), check_one(&found))
             });

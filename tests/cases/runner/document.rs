@@ -104,7 +104,7 @@ fn statements(lines: &[(&str, usize)]) -> Result<Vec<Line>, &'static str> {
 
 /// A line without the comment behind `//`, if that stands in no quotes.
 fn uncommented(line: &str) -> &str {
-    let is_outside = |at: &usize| line[..*at].matches('"').count() % 2 == 0;
+    let is_outside = |at: &usize| line[..*at].matches('"').count().is_multiple_of(2);
     let mut marks = line.match_indices("//").map(|mark| mark.0);
     &line[..marks.find(is_outside).unwrap_or(line.len())]
 }

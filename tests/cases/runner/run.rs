@@ -21,7 +21,11 @@ pub(crate) enum Results {
     /// The scene is refused: its mistakes, and the report on them.
     Refused(Vec<TextMistake>, String),
     /// The scene, what each method found, and what the scene gives that it is compared with.
-    Ran(Prepared, BTreeMap<Method, Outcome>, Option<Outcome>),
+    Ran(
+        Box<Prepared>,
+        BTreeMap<Method, Outcome>,
+        Option<Box<Outcome>>,
+    ),
 }
 
 /// What was found by one method; of a refused run, with which words.
@@ -36,7 +40,7 @@ pub(crate) struct Outcome {
 
 #[derive(Debug)]
 pub(crate) enum Of {
-    Motion(Simulation),
+    Motion(Box<Simulation>),
     Optimum(Box<Solution>),
 }
 
@@ -84,7 +88,11 @@ pub(crate) fn results(block: &Block) -> Result<Results, String> {
         Some(Err(why)) => wrong(why),
         Some(Ok(Of::Motion(run))) if !run.status.is_solved() => wrong(&run.status),
         Some(Ok(Of::Optimum(found))) if !found.status.is_solved() => wrong(found),
-        _ => Ok(Results::Ran(prepared, outcomes, theirs)),
+        _ => Ok(Results::Ran(
+            Box::new(prepared),
+            outcomes,
+            theirs.map(Box::new),
+        )),
     }
 }
 
@@ -226,7 +234,7 @@ fn ran<'a, 'c>(
     let until = |end: f64| Ok::<_, String>(begin()?.horizon(end).run().map_err(|e| e.to_string()));
     let whole = begin()?.run().map_err(|error| error.to_string());
     let mut found = Outcome {
-        whole: whole.map(Of::Motion),
+        whole: whole.map(|run| Of::Motion(Box::new(run))),
         until: BTreeMap::new(),
         gradients: BTreeMap::new(),
     };
