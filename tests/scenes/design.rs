@@ -16,11 +16,19 @@ fn designed(text: &str, intervals: usize) -> Solution {
     solution
 }
 
-/// The objective with the free parameters at these values.
-fn given(text: &str, intervals: usize, values: &[(&str, f64)]) -> f64 {
+/// A plan with the free parameters at these values, from one that is near, as other orders of contacts have other optima.
+fn given(
+    text: &str,
+    near: Option<&Solution>,
+    intervals: usize,
+    values: &[(&str, f64)],
+) -> Solution {
     let mut scene = scene(text);
     let declared = scene.declaration().parameters;
     let mut settings = Settings::default();
+    if let Some(previous) = near.and_then(|near| near.previous.clone()) {
+        settings.guess = Guess::Previous(Box::new(previous));
+    }
     for &(name, value) in values {
         let index = declared.iter().position(|known| known.name == name);
         let index = index.expect("declared");
@@ -33,7 +41,7 @@ fn given(text: &str, intervals: usize, values: &[(&str, f64)]) -> f64 {
         solution.parameters.is_empty() && solution.motion.is_some(),
         "{solution}"
     );
-    solution.objective
+    solution
 }
 
 /// Where the polynomial through values at `-2, -1, 0, 1, 2` is lowest, near 0; and its value there.
@@ -61,7 +69,11 @@ fn compare_with_scan(text: &str, intervals: usize, name: &str, step: f64) -> Sol
     assert_eq!(found.name, name);
     // The values of the scan lie beside the one that was found.
     let centre = found.value + 0.3 * step;
-    let at = |k: f64| given(text, intervals, &[(name, centre + k * step)]);
+    let near = given(text, None, intervals, &[(name, found.value)]);
+    let at = |k: f64| {
+        let values = [(name, centre + k * step)];
+        given(text, Some(&near), intervals, &values).objective
+    };
     let (place, objective) = lowest([-2.0, -1.0, 0.0, 1.0, 2.0].map(at));
     let best = centre + place * step;
     let size = solution.objective.abs();
@@ -70,9 +82,10 @@ fn compare_with_scan(text: &str, intervals: usize, name: &str, step: f64) -> Sol
         "{} {objective}",
         solution.objective
     );
-    let at = given(text, intervals, &[(name, found.value)]);
+    let at = near.objective;
+    // What an optimum costs by different paths agrees to a hundred tolerances of the programs.
     assert!(
-        (solution.objective - at).abs() < 1e-8 * size,
+        (solution.objective - at).abs() < 1e-7 * size,
         "{} {at}",
         solution.objective
     );
@@ -111,7 +124,7 @@ fn parameter_says_where_it_ends_and_is_none_where_it_is_given() {
     let text = RAMP.replace("finally", "constraint flat: 2*angle <= 1.2 [rad] finally");
     let found = designed(&text, 2).parameters[0];
     assert!(found.at_bound().is_none(), "{found}");
-    let kept = given(&text, 2, &[("angle", 0.5)]);
+    let kept = given(&text, None, 2, &[("angle", 0.5)]).objective;
     let time = (4.0 / (9.81 * 0.5_f64.sin() * 0.5_f64.cos())).sqrt();
     assert!((kept - time).abs() < 1e-7, "{kept} {time}");
 }
