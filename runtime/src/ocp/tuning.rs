@@ -85,8 +85,8 @@ pub(in crate::ocp) mod off_grid {
     pub(in crate::ocp) const BARRIER: f64 = 1e-2;
     /// Most iterations. Measured: with 100 4 % of all iterations are saved, and 7 of 398 solved programs lost.
     pub(in crate::ocp) const ITERATIONS: usize = 150;
-    /// Most iterations of the restoration phase, here and of the first program of a sequence where nothing is to be proved. Measured: of
-    /// 1014 that come to nothing 98 in 100 take some, mostly many; of 705 that are solved 29 take some, and four of these more than five.
+    /// Most iterations of the restoration phase, here and of the first program of a sequence. Measured: of 1014 that come to nothing 98 in
+    /// 100 take some, mostly many; of 705 that are solved 29 take some, and four of these more than five.
     pub(in crate::ocp) const RESTORED: usize = 5;
     /// How often the range of final times of a word is moved at a time, by a factor of 20 at most. Chosen: on the grid it is moved on.
     pub(in crate::ocp) const MOVES: usize = 2;
@@ -272,7 +272,7 @@ pub(in crate::ocp) mod attempt {
     /// Barrier parameter that a program is started with, and most iterations: of the first program of a sequence. Measured: of those that are
     /// solved from there, 49 of 50 take fewer; further tries from 1e-3 and 1e-1, and without a limit, find nothing more on 109 scenes
     /// (`docs/experiments/attempts.md`).
-    pub(in crate::ocp) const FIRST: [(f64, usize); 1] = [(1e-2, 130)];
+    pub(in crate::ocp) const FIRST: (f64, usize) = (1e-2, 130);
     /// The same of a neighbour, which starts near its solution, and at last, where something is claimed about it, from further away. Chosen.
     pub(in crate::ocp) const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
     /// The same after a cut. Chosen.

@@ -77,12 +77,13 @@ pub(super) fn signature(structure: &'static Structure, function: Function) -> Op
     let declaration = &structure.declaration;
     let n = declaration.coordinates.len();
     let task = declaration.optimal_control.as_ref();
-    let of_state = |values, jacobian, hessian| Signature {
-        inputs: declaration.inputs(),
+    let of = |inputs, values, jacobian, hessian| Signature {
+        inputs,
         values,
         jacobian,
         hessian,
     };
+    let of_state = |values, jacobian, hessian| of(declaration.inputs(), values, jacobian, hessian);
     Some(match function {
         Function::Motion => of_state(n, declaration.free_jacobian, declaration.free_hessian),
         Function::Contact(i) => {
@@ -105,28 +106,25 @@ pub(super) fn signature(structure: &'static Structure, function: Function) -> Op
             let known = structure.held?.declared;
             of_state(known.given.len(), known.jacobian, known.hessian)
         }
-        Function::Path => Signature {
-            inputs: declaration.path_inputs(),
-            ..of_state(
-                task?.path_functions(),
-                task?.path_jacobian,
-                task?.path_hessian,
+        Function::Path => {
+            let (task, inputs) = (task?, declaration.path_inputs());
+            let values = task.path_functions();
+            of(inputs, values, task.path_jacobian, task.path_hessian)
+        }
+        Function::Terminal => {
+            let (task, inputs) = (task?, declaration.terminal_inputs());
+            let values = task.terminal_functions();
+            of(
+                inputs,
+                values,
+                task.terminal_jacobian,
+                task.terminal_hessian,
             )
-        },
-        Function::Terminal => Signature {
-            inputs: declaration.terminal_inputs(),
-            values: task?.terminal_functions(),
-            jacobian: task?.terminal_jacobian,
-            hessian: task?.terminal_hessian,
-        },
+        }
         Function::Impact => {
-            let terms = &task?.contacts;
-            Signature {
-                inputs: declaration.impact_inputs(),
-                values: terms.impact_functions(),
-                jacobian: terms.impact_jacobian,
-                hessian: terms.impact_hessian,
-            }
+            let (terms, inputs) = (&task?.contacts, declaration.impact_inputs());
+            let values = terms.impact_functions();
+            of(inputs, values, terms.impact_jacobian, terms.impact_hessian)
         }
     })
 }

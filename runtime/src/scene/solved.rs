@@ -78,7 +78,7 @@ impl View<'_> {
         }
     }
 
-    /// Of the acceleration without contact.
+    /// The acceleration without contact, or one of its derivatives.
     fn motion(&self, (order, x, weights): (Order, &[f64], &[f64]), out: &mut [f64]) {
         let structure = self.structure;
         let known = structure.motion;
@@ -123,7 +123,7 @@ impl View<'_> {
         });
     }
 
-    /// Of a contact.
+    /// A contact at a point, or derivatives of its rows.
     fn contact(&self, contact: usize, at: (Order, &[f64], &[f64]), out: &mut [f64]) {
         let structure = self.structure;
         let Some((declared, known)) = contact_of(structure, contact) else {
@@ -149,7 +149,7 @@ impl View<'_> {
         }
     }
 
-    /// Of a tangential side, if there is one.
+    /// A tangential side at a point, or derivatives of its rows; not a number where there is none.
     fn sided(
         &self,
         (function, known): (Function, Option<(usize, &Rows)>),
@@ -162,7 +162,7 @@ impl View<'_> {
         }
     }
 
-    /// What is known at a point, in formulas and behind them a direction, or derivatives of the rows. Gives the inverse inertia along the
+    /// The values of a side in formulas, and behind them its direction; or derivatives of its rows. Returns the inverse inertia along the
     /// normal if it follows from the direction.
     fn at_point(
         &self,

@@ -23,14 +23,15 @@ pub(super) enum Function {
     Acos,
 }
 
-/// Argument beyond which `tanh` is 1: its derivatives, `4 exp(-2 x)` and less, are below 1e-259.
-const FLAT: f64 = 300.0;
-
 impl Function {
     fn of<D: DualNum<Primitive = f64>>(self, x: &D) -> D {
         match self {
-            // There its derivatives vanish, and those of num-dual, of sinh over cosh, overflow.
-            Self::Tanh if x.re().abs() > FLAT => D::from(x.re().signum()),
+            // A quotient of hyperbolic functions, as num-dual has it, overflows where this is one.
+            Self::Tanh if x.re().abs() > 1.0 => {
+                let sign = x.re().signum();
+                let small = (x.clone() * (-2.0 * sign)).exp();
+                (-small.clone() + 1.0) / (small + 1.0) * sign
+            }
             Self::Tanh => x.tanh(),
             Self::Tan => x.tan(),
             Self::Sqrt => x.sqrt(),
@@ -241,6 +242,7 @@ mod tests {
     fn partials_of_every_operation_agree_with_central_differences() {
         let functions = [
             (Function::Tanh, 0.4),
+            (Function::Tanh, -1.4),
             (Function::Tanh, 800.0),
             (Function::Tan, 0.4),
             (Function::Sqrt, 1.7),

@@ -264,7 +264,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
     }
 
     /// The first stage of a program: after a cut at first from the solution `before` it, of a neighbour from what it shares
-    /// with the best, then from the first barrier parameter that works. The reason if none does.
+    /// with the best, then from the guess. The reason if it has no solution.
     fn first(
         &self,
         runner: &mut Runner,
@@ -285,7 +285,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
         let barriers = match (&self.best, purpose) {
             // After a cut the motion is a start that others do not better.
             _ if !runner.effort.proves() && before.is_some() => &[],
-            (None, _) => &FIRST[..],
+            (None, _) => std::slice::from_ref(&FIRST),
             (Some(_), Purpose::Compare) => &NEIGHBOUR[..],
             (Some(_), Purpose::Explore | Purpose::Near) => &NEIGHBOUR[..1],
         };
