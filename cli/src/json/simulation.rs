@@ -106,6 +106,7 @@ mod tests {
             seconds: Default::default(),
             interpolated: None,
             notes: Vec::new(),
+            doubts: Default::default(),
         };
         let settings = MethodSettings::default();
         let ending = Ending::of_whole(&simulation);

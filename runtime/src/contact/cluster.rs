@@ -230,11 +230,6 @@ impl Cluster {
     }
 }
 
-/// Whether a run with these notes has carried out a cluster.
-pub(crate) fn is_noted_in(notes: &[String]) -> bool {
-    notes.iter().any(|note| note == UNDECIDED || note == JOINED)
-}
-
 /// Carries out the cluster of the contacts `near`.
 ///
 /// # Errors

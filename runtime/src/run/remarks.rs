@@ -3,12 +3,22 @@
 use super::impact::{EndOfBounces, Impact};
 use crate::model::Declaration;
 
-/// Said of bounces that a run leaves out.
-const STOPS: &str = "stops bouncing at";
+/// What a method could not decide alone of a motion.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Doubts {
+    /// Whether flights or bounces are left out for being too low.
+    pub flights: bool,
+    /// Whether impacts that follow too fast to be told apart are joined, or rounding decides their order.
+    pub clusters: bool,
+    /// Whether the motion is by another method than the one that was asked for, which failed.
+    pub handed_over: bool,
+}
 
 /// Collected remarks; they do not grow with the number of events.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Remarks {
+    /// Whether flights lower than the rounding error of their gap are left out that others could feel.
+    pub(crate) low_flights: bool,
     simultaneous: bool,
     /// Of clusters of impacts.
     clusters: Vec<&'static str>,
@@ -71,10 +81,22 @@ impl Remarks {
         }
     }
 
+    /// What the impacts leave to another method to confirm.
+    pub(crate) fn doubts(&self) -> Doubts {
+        Doubts {
+            flights: self.low_flights || !self.ends.is_empty(),
+            clusters: !self.clusters.is_empty(),
+            handed_over: false,
+        }
+    }
+
     /// The remarks, one line each.
     pub(crate) fn notes(&self, declaration: &Declaration) -> Vec<String> {
         let mut notes = Vec::new();
         let contact = |i: usize| &declaration.contacts[i];
+        if self.low_flights {
+            notes.push("flights lower than the rounding error of their gap are left out".into());
+        }
         if self.simultaneous {
             notes.push(
                 "simultaneous impacts follow Moreau's law (all touching contacts in one linear complementarity problem)"
@@ -101,7 +123,7 @@ impl Remarks {
                 count => format!("; so it does {} more times", count - 1),
             };
             notes.push(format!(
-                "`{name}` {STOPS} {:.6} s, where it is struck with {:.1e} {speed_unit}{height}{more}",
+                "`{name}` stops bouncing at {:.6} s, where it is struck with {:.1e} {speed_unit}{height}{more}",
                 end.time, end.speed
             ));
         }
@@ -119,9 +141,4 @@ impl Remarks {
         }
         notes
     }
-}
-
-/// Whether a run with these notes has left out bounces.
-pub(crate) fn leave_out_bounces(notes: &[String]) -> bool {
-    notes.iter().any(|note| note.contains(STOPS))
 }

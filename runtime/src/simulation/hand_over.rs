@@ -3,7 +3,6 @@
 //! Finite elements need their equations solved over a whole element, steps from event to event do not. So these get through
 //! places where the elements stick. What both stop at is a property of the motion, and the first diagnosis stands.
 
-use super::result::TAKEN_OVER;
 use super::watch::Watch;
 use super::{Simulation, SimulationStatus};
 
@@ -38,12 +37,13 @@ pub(super) fn unless_solved(
         }
     };
     second.notes.push(format!(
-        "{} ended with `{}` at t = {} s; {TAKEN_OVER} {}",
+        "{} ended with `{}` at t = {} s; this is the motion by {}",
         other.failed,
         run.status.name(),
         super::number(ended.time),
         other.takes_over,
     ));
+    second.doubts.handed_over = true;
     second.counts = second.counts.with(&run.counts);
     second.seconds.total += run.seconds.total;
     second

@@ -38,6 +38,7 @@ mod watch;
 pub use crate::InputError;
 pub use crate::contact::{ContactMode, Direction};
 pub use crate::joints::joint_forces;
+pub use crate::run::remarks::Doubts;
 pub use event::EventDriven;
 pub use fesd::{Fesd, FormulationSize, StepFormulation, step_sizes};
 pub use hangtime_solver::nlp::Residuals;

@@ -7,7 +7,7 @@ use hangtime_solver::{ProblemSize, Seconds};
 use serde::Serialize;
 
 use super::quantity::{Quantity, number};
-use super::{ContactMode, InputError, Residuals, State, Trajectory};
+use super::{ContactMode, Doubts, InputError, Residuals, State, Trajectory};
 use crate::contact::ContactState;
 use crate::model::{ContactDeclaration, Declaration, Model};
 use crate::refusal;
@@ -76,6 +76,8 @@ pub struct Simulation {
     pub interpolated: Option<Vec<String>>,
     /// Remarks that a user should read: the impact law used for simultaneous impacts.
     pub notes: Vec<String>,
+    /// What of it its method could not decide alone; the notes say so in words.
+    pub doubts: Doubts,
 }
 
 /// Which side of an instant.
@@ -85,16 +87,7 @@ enum Side {
     After,
 }
 
-/// What stands between a diagnosis and the method that takes the motion over from the one that was asked for, in a note.
-pub(super) const TAKEN_OVER: &str = "this is the motion by";
-
 impl Simulation {
-    /// Whether the motion is by another method than the one that was asked for, which failed; a note says why.
-    #[must_use]
-    pub fn is_handed_over(&self) -> bool {
-        self.notes.iter().any(|note| note.contains(TAKEN_OVER))
-    }
-
     /// Leaves the coordinates out that stand for parameters, at the values of which `scene` is the model without them.
     pub(crate) fn leave_held_out(&mut self, scene: &dyn Model) {
         let n = scene.declaration().coordinates.len();

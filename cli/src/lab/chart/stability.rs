@@ -376,7 +376,7 @@ fn judged(run: &Simulation, horizon: f64, reference: &[f64], uncertainty: f64) -
     let kept = |share: f64| error <= (share * size).max(ROUNDING * way) + uncertainty;
     let relative = error / size;
     let estimated = run.error_estimate.map(|estimate| ESTIMATED * estimate);
-    if kept(BOUND) && run.is_handed_over() {
+    if kept(BOUND) && run.doubts.handed_over {
         Verdict::HandedOver(relative)
     } else if kept(BOUND) {
         Verdict::Right(relative)

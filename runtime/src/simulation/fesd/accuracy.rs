@@ -6,13 +6,10 @@
 //! other too fast to be told apart, all runs join them alike, and the event-driven method has to confirm the result.
 
 use super::driver::Driver;
-use super::mode_change::LOW_FLIGHTS;
 use super::settings::Fesd;
 use super::stepping;
-use crate::contact::cluster;
 use crate::model::Model;
 use crate::rk::ButcherTableau;
-use crate::run::remarks;
 use crate::simulation::agreement::{Comparison, Spent};
 use crate::simulation::event;
 use crate::simulation::watch::Watch;
@@ -156,10 +153,8 @@ fn confirm(
     watch: &mut Watch<'_>,
     spent: &mut Spent,
 ) {
-    let flights = run.notes.iter().any(|note| note == LOW_FLIGHTS);
-    let bounces = flights || remarks::leave_out_bounces(&run.notes);
-    let felt = bounces && model.declaration().contacts.len() > 1;
-    if !felt && !cluster::is_noted_in(&run.notes) {
+    let felt = run.doubts.flights && model.declaration().contacts.len() > 1;
+    if !felt && !run.doubts.clusters {
         return;
     }
     let tolerance = (CONFIRMS * promise).max(SMALLEST);

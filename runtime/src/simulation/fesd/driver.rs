@@ -86,7 +86,6 @@ pub(super) struct Record {
     pub(super) remarks: Remarks,
     /// Whether the last attempt at a segment failed since the model was not finite.
     pub(super) not_finite: bool,
-    pub(super) notes: Vec<String>,
 }
 
 /// Where a segment begins, to which a run returns from elements that are not accepted.
@@ -302,12 +301,6 @@ impl<'a> Driver<'a> {
     /// Events so far, listed or not.
     pub(super) fn events(&self) -> usize {
         self.record.log.count(self.record.events.len())
-    }
-
-    pub(super) fn note(&mut self, text: &str) {
-        if !self.record.notes.iter().any(|note| note == text) {
-            self.record.notes.push(text.into());
-        }
     }
 }
 

@@ -10,9 +10,7 @@ use crate::fesd::contacts::ModeError;
 use crate::run::{Instant, impact, resets};
 use crate::simulation::{EventKind, changes};
 
-/// What a run says of flights that it leaves out, where they begin with more than the share [`FELT`] of the velocity.
-pub(super) const LOW_FLIGHTS: &str =
-    "flights lower than the rounding error of their gap are left out";
+/// Share of the velocity above which flights that are left out could be felt by others.
 const FELT: f64 = 1e-6;
 
 /// Carries out a located switch at the present state.
@@ -159,9 +157,7 @@ pub(super) fn note_held_flights(driver: &mut Driver<'_>) {
         now.contacts.normal_velocity(i) > felt
     };
     let held: Vec<usize> = now.active.iter().map(|held| held.contact).collect();
-    if held.iter().any(leaves) {
-        driver.note(LOW_FLIGHTS);
-    }
+    driver.record.remarks.low_flights |= held.iter().any(leaves);
 }
 
 /// Moves the present positions onto the surfaces of `close` contacts, along their directions.

@@ -52,14 +52,10 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         driver.record_state();
     }
     let controlled = driver.control.tolerance.is_some();
-    if let Some(note) = driver.explicit_time.as_ref().and_then(ExplicitTime::note) {
-        driver.note(&note);
-    }
-    let remarks = driver
-        .record
-        .remarks
-        .notes(driver.setup.model.declaration());
-    driver.record.notes.extend(remarks);
+    let explicit_time = driver.explicit_time.as_ref();
+    let mut notes = Vec::from_iter(explicit_time.and_then(ExplicitTime::note));
+    let remarks = &driver.record.remarks;
+    notes.extend(remarks.notes(driver.setup.model.declaration()));
     let newton = driver.element.counts;
     let other = driver.next_element.counts;
     driver.record.counts.events = driver.events();
@@ -85,7 +81,8 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
             ..Seconds::default()
         },
         interpolated: Some(interpolated.collect()),
-        notes: driver.record.notes,
+        notes,
+        doubts: driver.record.remarks.doubts(),
     };
     if run.status.is_solved() {
         let scene = (driver.setup.model, driver.setup.problem);

@@ -30,7 +30,7 @@ use crate::model::{
 };
 use crate::simulation::near::Near;
 use crate::simulation::{
-    ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
+    ContactMode, ControlSignal, Counts, Doubts, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
 };
 use scales::{ContactScale, Instant};
@@ -160,6 +160,7 @@ impl<'a> Dynamics<'a> {
             seconds: Seconds::default(),
             interpolated: None,
             notes: Vec::new(),
+            doubts: Doubts::default(),
         }
     }
 

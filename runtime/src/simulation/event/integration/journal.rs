@@ -70,6 +70,7 @@ impl Journal {
         let mut result = self.result;
         result.residuals = checks.verdict.residuals;
         result.notes = checks.remarks.notes(dynamics.model.declaration());
+        result.doubts = checks.remarks.doubts();
         let interpolated = search.interpolated.iter();
         let interpolated = interpolated.map(|function| function.name(dynamics.model));
         result.interpolated = Some(interpolated.collect());
