@@ -87,6 +87,7 @@ mod run;
 pub mod scene;
 pub mod simulation;
 mod time_freezing;
+mod yardstick;
 
 pub use front::simulate::{Simulate, simulate};
 pub use front::solve::{Solve, solve};

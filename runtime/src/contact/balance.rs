@@ -9,12 +9,10 @@ use super::state::ContactState;
 use super::touching::Touching;
 use super::view::{View, dot};
 use crate::model::pair_size;
+use crate::yardstick;
 
 /// Two solutions are one if their changes of the velocity agree to this relative accuracy.
 const SAME: f64 = 1e-8;
-
-/// Motion, as a share of the largest force or motion, up to which a line is held.
-const HOLDS: f64 = 1e-9;
 
 /// A force among those of a balance.
 struct Carrier {
@@ -192,7 +190,7 @@ impl Balance {
     /// What holds the contacts that do not leave: their normals, with the friction of those that slide, and the tangents of those that do not.
     fn carriers(&self, view: &View<'_>) -> Vec<Carrier> {
         let sizes = self.forces.iter().chain(&self.motions);
-        let zero = HOLDS * sizes.fold(0.0_f64, |most, size| most.max(size.abs()));
+        let zero = yardstick::NOTHING * sizes.fold(0.0_f64, |most, size| most.max(size.abs()));
         let alone = |line: usize| Carrier {
             line,
             acts: vec![(line, 1.0)],

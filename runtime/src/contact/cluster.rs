@@ -8,7 +8,7 @@
 //! 2. Each impact follows the impact law of the run; one that would raise the kinetic energy on ground at rest has no restitution.
 //! 3. The cluster ends when no contact approaches, or after [`MOST_IMPACTS`] with an impact without restitution of
 //!    all at once: what then still approaches does so by a share of its speed that falls with each impact.
-//! 4. Contacts that are left with less than the slowest bounce, or [`SAME_VELOCITY`], come to rest: without an end of bounces infinitely many
+//! 4. Contacts that are left with less than the slowest bounce, or [`yardstick::PROMISE`], come to rest: without an end of bounces infinitely many
 //!    impacts would bring them there, and whether they touch decides what the next impact does.
 //!
 //! Velocities after the cluster depend on the order of its impacts alone. Each gap is therefore changed by its
@@ -17,12 +17,10 @@
 use super::impact;
 use super::line::Line;
 use super::view::View;
+use crate::yardstick;
 
 /// Impacts of one cluster before it ends without restitution.
 const MOST_IMPACTS: usize = 500;
-/// Velocities after a cluster that differ by more than this share of the largest before it are not the same.
-const SAME_VELOCITY: f64 = 1e-6;
-
 /// A contact that may be struck in a cluster.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NearContact {
@@ -260,13 +258,13 @@ where
     let after = bodies.normal_velocities(near);
     cluster.undecided = others.iter().any(|other| {
         let mut pairs = other.iter().zip(&after);
-        pairs.any(|(other, after)| (other - after).abs() > SAME_VELOCITY * largest)
+        pairs.any(|(other, after)| (other - after).abs() > yardstick::PROMISE * largest)
     });
     let struck = near.iter().zip(after);
     let struck = struck.filter(|(near, _)| cluster.struck.contains(&near.contact));
     let slowest = struck.clone().map(|(near, _)| near.slowest);
     let slowest = slowest.filter(|speed| speed.is_finite());
-    let slowest = slowest.fold(SAME_VELOCITY * largest, f64::max);
+    let slowest = slowest.fold(yardstick::PROMISE * largest, f64::max);
     let resting = struck.filter(|(_, velocity)| velocity.abs() <= slowest);
     let mut resting: Vec<usize> = resting.map(|(near, _)| near.contact).collect();
     resting.sort_unstable();

@@ -18,9 +18,8 @@ use super::shares;
 use super::touching::Touching;
 use super::view::View;
 use crate::model::pair_size;
+use crate::yardstick;
 
-/// Kinetic energies are compared to this relative accuracy.
-const SAME_ENERGY: f64 = 1e-12;
 /// Newton steps onto surfaces; the second already meets rounding error.
 const STEPS: usize = 3;
 
@@ -92,7 +91,7 @@ pub(crate) fn strike(
 
 /// Kinetic energies before and after an impact, where it has raised them.
 pub(crate) fn gain(before: f64, after: f64) -> Option<(f64, f64)> {
-    (after > before * (1.0 + SAME_ENERGY)).then_some((before, after))
+    (after > before * (1.0 + yardstick::ROUNDING)).then_some((before, after))
 }
 
 /// Removes the velocities of these `lines` at the last evaluation from `v`, along their directions.

@@ -13,6 +13,7 @@ use super::problem::{Cone, Problem};
 use super::space::solve_in_space;
 use super::state::ContactState;
 use crate::linalg::lcp::{self, LcpError};
+use crate::yardstick;
 
 /// Most decisions that are tried for one solution before states are changed, and where nothing else has found one: some hundred
 /// systems take a millisecond.
@@ -26,16 +27,9 @@ const FEW_DECISIONS: usize = 5;
 const ROUNDING: f64 = 1e-11;
 /// Relative violation of the law that is let pass where nothing else is left: contacts that are nearly dependent.
 const ILL_CONDITIONED: f64 = 1e-7;
-/// Components below this times the largest offset count as zero where all solutions are sought: the systems are solved to some `1e-15`.
-const ZERO: f64 = 1e-12;
-/// Share of the largest force or free motion below which a contact of a single solution is too close to another state.
-const STRICT: f64 = 1e-9;
 /// Pivot of a matrix with ones on its diagonal above which forces are as well determined as motions: a contact that is left open
-/// although it carries [`STRICT`] of the largest force moves by more than what counts as zero.
+/// although it carries [`yardstick::NOTHING`] of the largest force moves by more than what counts as zero.
 const DEFINITE: f64 = 1e-2;
-/// Share of their size up to which the entries of a symmetric matrix may differ, and a pivot of a semidefinite one be negative.
-const SYMMETRIC: f64 = 1e-9;
-
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
@@ -159,7 +153,7 @@ pub(crate) fn all(problem: &Problem<'_>, inertia: &[f64]) -> Option<Solutions> {
         let blocks = vec![((0..lines).collect(), vec![forces])];
         return found.then_some(Solutions { lines, blocks });
     }
-    let zero = ZERO * problem.largest_offset();
+    let zero = yardstick::ROUNDING * problem.largest_offset();
     let blocks = Part::of(problem).into_iter().map(|part| {
         let normals = part.problem().normals();
         let inertia: Vec<f64> = part.lines[..normals].iter().map(|&i| inertia[i]).collect();
@@ -212,9 +206,9 @@ fn known(problem: &Problem<'_>, found: &[f64], definite: bool) -> Vec<Option<boo
     let motion = largest(problem.offsets);
     let force = largest(found).max(motion);
     let of = |(line, p): (usize, &f64)| {
-        if *p == 0.0 && problem.motion(line, found).0 > STRICT * motion {
+        if *p == 0.0 && problem.motion(line, found).0 > yardstick::NOTHING * motion {
             Some(false)
-        } else if definite && *p > STRICT * force {
+        } else if definite && *p > yardstick::NOTHING * force {
             Some(true)
         } else {
             None
@@ -236,7 +230,7 @@ fn monotone(problem: &Problem<'_>, inertia: &[f64]) -> Option<f64> {
         for j in 0..m {
             let (one, other) = (entry(i, j), entry(j, i));
             let size = (entry(i, i) * entry(j, j)).abs().sqrt();
-            if (one - other).abs() > SYMMETRIC * size || one.is_nan() {
+            if (one - other).abs() > yardstick::NOTHING * size || one.is_nan() {
                 return None;
             }
             a.push(0.5 * (one + other) / size);
@@ -245,7 +239,7 @@ fn monotone(problem: &Problem<'_>, inertia: &[f64]) -> Option<f64> {
     // Cholesky's method with the diagonal lifted by more than rounding error.
     let mut weakest = f64::INFINITY;
     for k in 0..m {
-        let pivot = a[k * m + k] + SYMMETRIC;
+        let pivot = a[k * m + k] + yardstick::NOTHING;
         if pivot <= 0.0 || pivot.is_nan() {
             return None;
         }
@@ -461,7 +455,7 @@ mod tests {
                 .map(|i| (0..m).map(|j| matrix[m * i + j] * f64::from(v[j])).sum())
                 .collect();
             let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[], surfaces: m, in_space: false };
-            let zero = ZERO * problem.largest_offset();
+            let zero = yardstick::ROUNDING * problem.largest_offset();
             let choices = Few::new(&problem, Order::Contacts);
             let mut attempts = choices.attempts();
             let chosen = attempts.find(|(_, violation)| *violation <= zero).map(|(forces, _)| forces);
@@ -488,7 +482,7 @@ mod tests {
             let offsets: Vec<f64> = q[..m].iter().chain(&q[4..4 + m]).copied().collect();
             let cones: Vec<Cone> = mu[..m].iter().enumerate().map(|(i, &mu)| cone(i, mu)).collect();
             let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &cones, surfaces: m, in_space: false };
-            let zero = ZERO * problem.largest_offset();
+            let zero = yardstick::ROUNDING * problem.largest_offset();
             let choices = Few::new(&problem, Order::Contacts);
             let attempts = choices.attempts();
             let every: Vec<Vec<f64>> =

@@ -5,14 +5,11 @@ use super::basic::reduced;
 use super::polyhedral::solve_polyhedral;
 use super::problem::{Problem, Solution, Tangent};
 use super::state::ContactState;
+use crate::yardstick;
 
 /// Multiple of rounding error up to which a solution may contradict the law: its forces are those of linear systems whose
 /// condition that multiplies.
 const ACCEPTED: f64 = 1e2;
-/// Share of the largest offset below which a line moves neither way by itself, and of its bound below which friction is at it: such
-/// states are guesses, which what follows may change.
-const UNDECIDED: f64 = 1e-9;
-
 /// A solution whose forces the equations of its states determine, from the states of a `guess` on if there is one.
 /// `None` where none is found, which for contacts with friction may mean that there is none.
 pub(crate) fn solve(problem: &Problem<'_>, guess: Option<&[ContactState]>) -> Option<Solution> {
@@ -44,7 +41,7 @@ fn from(
 
 /// All contacts closed that nothing opens by itself; those that slide by themselves slip.
 fn pressed(problem: &Problem<'_>, tangents: &[Option<Tangent>]) -> Vec<ContactState> {
-    let zero = UNDECIDED * problem.largest_offset();
+    let zero = yardstick::NOTHING * problem.largest_offset();
     let of = |(i, tangent): (usize, &Option<Tangent>)| {
         let normal = problem.offsets[i];
         match tangent {
@@ -81,7 +78,7 @@ fn states_of(
         };
         let s = forces[line];
         let reserve = friction * p - s.abs();
-        if reserve > UNDECIDED * friction * p {
+        if reserve > yardstick::NOTHING * friction * p {
             ContactState::Stick
         } else {
             ContactState::slip(-s)

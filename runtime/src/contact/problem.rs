@@ -2,6 +2,7 @@
 
 use super::state::ContactState;
 use crate::linalg::dense;
+use crate::yardstick;
 
 /// Friction of one contact: the line of its normal and its coefficient.
 #[derive(Debug, Clone, Copy)]
@@ -44,9 +45,6 @@ pub(crate) struct Solution {
     /// `f`, of all lines.
     pub(crate) forces: Vec<f64>,
 }
-
-/// Violations below this share of the terms of a sum are rounding error: the linear systems are solved to some `1e-15`.
-const ROUNDING: f64 = 1e-12;
 
 impl Problem<'_> {
     /// Number of lines.
@@ -112,9 +110,9 @@ impl Problem<'_> {
 
     /// Motions of all lines, and what counts as zero beside each.
     pub(super) fn motions(&self, forces: &[f64]) -> Vec<(f64, f64)> {
-        let floor = f64::MIN_POSITIVE + ROUNDING * self.largest_offset();
+        let floor = f64::MIN_POSITIVE + yardstick::ROUNDING * self.largest_offset();
         let motions = (0..self.lines()).map(|line| self.motion(line, forces));
-        let zero = |(motion, size): (f64, f64)| (motion, (ROUNDING * size).max(floor));
+        let zero = |(motion, size): (f64, f64)| (motion, (yardstick::ROUNDING * size).max(floor));
         motions.map(zero).collect()
     }
 

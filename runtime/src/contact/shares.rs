@@ -26,10 +26,9 @@ use super::mode_error::ModeError;
 use super::view::View;
 use crate::linalg::dense;
 use crate::linalg::least_norm::LeastNorm;
+use crate::yardstick;
 use nalgebra::{DMatrix, DVector};
 
-/// Share of the terms of the equations that they may miss.
-const MISSED: f64 = 1e-9;
 /// Share of its terms that is left of the coupling of a line with itself while others are held, below which it follows from them.
 const FOLLOWS: f64 = 1e-10;
 /// Weight of the barrier at the end, as a share of the largest force: so much less than the margin is what it finds.
@@ -214,7 +213,7 @@ impl Shares {
             .zip(rows)
             .map(|(&line, row)| row * view.terms(line));
         let size = terms.fold(self.wanted, f64::max);
-        self.missed > MISSED * size || self.missed.is_nan()
+        self.missed > yardstick::NOTHING * size || self.missed.is_nan()
     }
 
     /// Whether the load can be shared in several ways with the same motion.
@@ -519,7 +518,7 @@ pub(crate) fn obey(rooms: &[Room], forces: &[f64]) -> bool {
             [None, None] => forces[room.normal],
             _ => room.friction * forces[room.normal],
         };
-        bound - friction >= -MISSED * largest
+        bound - friction >= -yardstick::NOTHING * largest
     })
 }
 

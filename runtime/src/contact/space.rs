@@ -10,6 +10,7 @@
 
 use super::problem::Cone;
 use crate::linalg::dense;
+use crate::yardstick;
 
 /// Most steps of Newton's method from one start.
 const STEPS: usize = 60;
@@ -24,8 +25,6 @@ const HARDEST: f64 = 1e-8;
 const HARDENS: f64 = 0.1;
 /// Most steps of the proximal point method; each leaves the last of these shares of the error of independent contacts.
 const PROXIMAL_STEPS: usize = 8;
-/// Motion along a tangent, measured in forces as a share of the largest one, above which it is no rounding error.
-const SLIDES: f64 = 1e-9;
 /// Residual below which forces are a solution, relative to the largest force: rounding error of well-conditioned couplings.
 const CERTIFIED: f64 = 1e-11;
 
@@ -187,7 +186,7 @@ impl<'a> Problem<'a> {
         };
         let scale = forces.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
         let speeds = breaking.map(|(k, _)| (k, speed(k)));
-        let sliding = speeds.filter(|(_, speed)| *speed > SLIDES * scale);
+        let sliding = speeds.filter(|(_, speed)| *speed > yardstick::NOTHING * scale);
         sliding
             .max_by(|one, other| one.1.total_cmp(&other.1))
             .map(|(k, _)| k)

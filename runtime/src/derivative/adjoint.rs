@@ -16,6 +16,7 @@ use super::tape::Tape;
 use super::walk::{End, Walk};
 use crate::model::Model;
 use crate::simulation::{InitialValueProblem, Simulation};
+use crate::yardstick;
 
 /// Share of the sum of its terms by which a derivative may differ forwards and backwards: rounding, grown along the motion.
 const ROUNDING: f64 = 1e-8;
@@ -24,9 +25,6 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Stages of the coarser steps that tell the error: few enough that what their order takes away is far above rounding. Chosen.
 const COARSE: usize = 5;
-/// Share of the largest value below which a change by as much as a quantity is none: what runs promise by default.
-const SEEN: f64 = 1e-6;
-
 /// A value at the end of a motion, or the time of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Value {
@@ -120,7 +118,7 @@ pub(super) fn error<'v>(
             Value::Objective | Value::Output(_) => 0.0,
         };
         let coarse = value.of(&end, &walk.event_times)?[0];
-        Some((coarse - terms.sum::<f64>()).abs() / size.max(SEEN * least))
+        Some((coarse - terms.sum::<f64>()).abs() / size.max(yardstick::PROMISE * least))
     });
     // What is 0 of 0 is exact.
     let off = off

@@ -3,16 +3,12 @@
 use super::event::{Cause, cause};
 use super::existence::Existence;
 use super::jump::{Impact, ended, jump, struck_alone};
-use super::place::{Place, ROUNDING};
+use super::place::Place;
 use super::ranges::Ranges;
 use super::reset;
 use super::tangent::{Tangent, largest};
 use crate::simulation::{ContactMode, Event, EventKind};
-
-/// Share of the largest velocity that what conditions and impacts change may miss.
-const MISSED: f64 = 1e-6;
-/// Relative difference of times of events found together that are no coincidence.
-const APART: f64 = 1e-6;
+use crate::yardstick;
 
 /// Events that happen at one instant of a motion.
 pub(super) struct Crossing<'c, 'w> {
@@ -53,12 +49,12 @@ impl Crossing<'_, '_> {
         }
         let behind = reset::before(&self.at.acceleration, late, (&x, x_after));
         let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
-        if jumps || self.at.velocities_differ(&x, &behind, ROUNDING) {
+        if jumps || self.at.velocities_differ(&x, &behind, yardstick::NOTHING) {
             self.strike(&x, &behind)?;
             x = behind;
         }
         self.set(late, &mut x);
-        if self.at.velocities_differ(&x, x_after, MISSED) {
+        if self.at.velocities_differ(&x, x_after, yardstick::PROMISE) {
             return Err(format!(
                 "at t = {time} s `{}` sets something together with another event: which of them is first for other parameters is not known",
                 self.at.acceleration.model.declaration().contacts[conditions[0]].name
@@ -117,7 +113,7 @@ impl Crossing<'_, '_> {
             .iter()
             .find(|event| !event.contact_impulse.is_empty());
         let impulses = impulses.map_or(&[][..], |event| &event.contact_impulse);
-        let least = ROUNDING * largest(impulses);
+        let least = yardstick::NOTHING * largest(impulses);
         let declared = self.at.acceleration.model.declaration().contacts;
         (0..declared.len())
             .filter(|&i| {
@@ -219,7 +215,7 @@ impl Crossing<'_, '_> {
             }
             tangent.shift(&self.at.rates(&x, control_rates), &cause.times, -1.0);
         }
-        (!self.at.velocities_differ(&x, x_after, MISSED)).then_some(tangent)
+        (!self.at.velocities_differ(&x, x_after, yardstick::PROMISE)).then_some(tangent)
     }
 }
 
@@ -234,7 +230,7 @@ pub(super) fn apart(found: &[Cause<'_>]) -> Vec<usize> {
         return Vec::new();
     };
     let most = found.iter().map(|cause| largest(&cause.times));
-    let least = APART * most.fold(0.0, f64::max);
+    let least = yardstick::PROMISE * most.fold(0.0, f64::max);
     let differs = |&column: &usize| {
         let mut others = others.iter();
         others.any(|other| (other.times[column] - first.times[column]).abs() > least)

@@ -9,12 +9,10 @@ use super::tangent::{Tangent, add};
 use crate::contact::sum_of_sizes;
 use crate::model::{contact_point, tangent_point};
 use crate::simulation::{ContactMode, Event, EventKind};
+use crate::yardstick;
 
 /// Rate of what vanishes at an event, relative to the sizes of its terms, below which it is touched and not crossed.
 const GRAZING: f64 = 1e-7;
-/// Share of its terms by which the derivative of what is only touched counts as one.
-const MOVED: f64 = 1e-6;
-
 /// A function that vanishes at an event.
 struct Zero {
     value: f64,
@@ -78,7 +76,7 @@ pub(super) fn cause<'e>(
     if rate.abs() <= GRAZING * terms.max(zero.rate) {
         let sizes = tangent.sizes(&zero.by);
         for ((grazed, change), size) in grazed.iter_mut().zip(&mut times).zip(sizes) {
-            *grazed = change.abs() > MOVED * size;
+            *grazed = change.abs() > yardstick::PROMISE * size;
             *change = 0.0;
         }
     } else {

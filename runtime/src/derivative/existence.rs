@@ -3,16 +3,13 @@
 
 use super::event::Cause;
 use super::margins::{Least, Margin, Of};
-use super::place::{Place, ROUNDING};
+use super::place::Place;
 use super::tangent::{Layout, Tangent, add, largest};
 use crate::contact::Line;
 use crate::model::contact_point;
 use crate::simulation::Event;
+use crate::yardstick;
 
-/// Share of its terms that the derivative of what a contact holds may have.
-pub(super) const HELD: f64 = 1e-6;
-/// Share of its terms that it may have after a step, which has the error of the motion.
-pub(super) const DRIFT: f64 = 1e-3;
 /// Share of the largest derivative by which those of two orders of events may differ: rounding, and the error of the motion.
 const SAME: f64 = 1e-8;
 
@@ -67,7 +64,7 @@ impl Existence {
 
     /// What derivatives of a function with these by inputs and parameters may be of rounding alone.
     fn rounding(&self, by: &[f64]) -> f64 {
-        ROUNDING * self.largest * largest(by)
+        yardstick::NOTHING * self.largest * largest(by)
     }
 
     /// Makes the numbers of lost columns of a row none.
@@ -84,7 +81,11 @@ impl Existence {
         let x = at.input(0);
         for &contact in struck {
             at.acceleration.load_contact(contact, &x);
-            self.check_zero((at, tangent), (contact, contact_point::GAP), (0, HELD));
+            self.check_zero(
+                (at, tangent),
+                (contact, contact_point::GAP),
+                (0, yardstick::PROMISE),
+            );
         }
     }
 
@@ -206,10 +207,11 @@ impl Existence {
                 Of::Sliding(sense) if margin.resets => sense * margin.rate < 0.0,
                 _ => margin.rate < 0.0,
             };
-            if margin.value > ROUNDING * margin.size {
+            if margin.value > yardstick::NOTHING * margin.size {
                 continue;
             }
-            let rests = (margin.rate * at.problem.horizon).abs() <= ROUNDING * margin.size;
+            let rests =
+                (margin.rate * at.problem.horizon).abs() <= yardstick::NOTHING * margin.size;
             let place = (margin.contact, margin.of);
             let known = self.vanished.iter().find(|(known, _)| *known == place);
             let since = known.map_or(at.time(k), |(_, since)| *since);
@@ -229,14 +231,22 @@ impl Existence {
             if !counts {
                 continue;
             }
-            let share = if start { HELD } else { DRIFT };
+            let share = if start {
+                yardstick::PROMISE
+            } else {
+                yardstick::VISIBLE
+            };
             let (mut changes, mut sizes) = (tangent.of(&margin.by), tangent.sizes(&margin.by));
             let ended = ends.filter(|_| falls);
             for (column, moves) in ended.into_iter().flatten().enumerate() {
                 changes[column] += margin.rate * moves;
                 sizes[column] += (margin.rate * moves).abs();
             }
-            let share = if ended.is_some() { ROUNDING } else { share };
+            let share = if ended.is_some() {
+                yardstick::NOTHING
+            } else {
+                share
+            };
             let most = self.rounding(&margin.by);
             let changed = changes.iter().zip(&sizes);
             let changed = changed.map(|(by, size)| by.abs() > (share * size).max(most));
@@ -260,7 +270,8 @@ impl Existence {
         (k, before): (usize, &Tangent),
     ) {
         let horizon = at.problem.horizon;
-        let vanishes = |value: f64, margin: &Margin| value.abs() <= ROUNDING * margin.size;
+        let vanishes =
+            |value: f64, margin: &Margin| value.abs() <= yardstick::NOTHING * margin.size;
         for (from, to) in begin.iter().zip(end) {
             let rests = vanishes(from.value, from) && vanishes(from.rate * horizon, from);
             let crosses = matches!(from.of, Of::Sliding(_)) && rests && !vanishes(to.value, to);
@@ -278,8 +289,9 @@ impl Existence {
             for (i, by) in from.by[..before.layout.n].iter().enumerate() {
                 add(&mut moves, *by, before.all.row(before.layout.n + i));
             }
-            let changed = (0..moves.len())
-                .map(|column| changes[column].abs() > HELD * sizes[column] || moves[column] != 0.0);
+            let changed = (0..moves.len()).map(|column| {
+                changes[column].abs() > yardstick::PROMISE * sizes[column] || moves[column] != 0.0
+            });
             let changed: Vec<bool> = changed.collect();
             let name = at.name_of(from.contact);
             self.lose_by_margin(name, from, (at.time(0), false), &changed);
@@ -294,12 +306,13 @@ impl Existence {
             Of::Force | Of::Left(_) => false,
             Of::Sliding(_) => margin.resets || least.jumps,
         };
-        if margin.value.abs() > ROUNDING * margin.size {
+        if margin.value.abs() > yardstick::NOTHING * margin.size {
             return false;
         }
         let most = self.rounding(&margin.by);
         let pairs = least.changes.iter().zip(&least.terms);
-        let changed = pairs.map(|(by, size)| matters && by.abs() > (HELD * size).max(most));
+        let changed =
+            pairs.map(|(by, size)| matters && by.abs() > (yardstick::PROMISE * size).max(most));
         let changed: Vec<bool> = changed.collect();
         let name = at.name_of(margin.contact);
         self.lose_by_margin(name, margin, (least.time, false), &changed);
@@ -341,14 +354,15 @@ impl Existence {
         (last, ends): (usize, &[f64]),
     ) {
         let (time, begin) = (at.time(last), at.time(0));
-        let late = |event: &&Event| event.time > begin && event.time >= time * (1.0 - ROUNDING);
+        let late =
+            |event: &&Event| event.time > begin && event.time >= time * (1.0 - yardstick::NOTHING);
         let Some(event) = at.run.events.last().filter(late) else {
             return;
         };
         let Some(times) = times else {
             return;
         };
-        let least = ROUNDING * largest(times).max(largest(ends));
+        let least = yardstick::NOTHING * largest(times).max(largest(ends));
         for (column, (own, end)) in times.iter().zip(ends).enumerate() {
             if (own - end).abs() > least {
                 self.lose(column, |_| ends_with(time, event.contact_name));
@@ -396,7 +410,7 @@ impl Existence {
         if x_before[controls.clone()] == x_after[controls] {
             return;
         }
-        let least = ROUNDING * largest(times);
+        let least = yardstick::NOTHING * largest(times);
         for column in (0..times.len()).filter(|&k| times[k].abs() > least) {
             self.lose(column, |_| {
                 format!("at t = {time} s controls jump together with an event: which of them is first for other parameters decides the motion")

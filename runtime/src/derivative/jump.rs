@@ -12,14 +12,10 @@ use super::tangent::{Matrix, Tangent, add, largest};
 use crate::contact::{Line, dot, impact};
 use crate::model::tangent_point;
 use crate::simulation::{ContactMode, Direction};
+use crate::yardstick;
 
 /// Share of the largest velocity that counts as none after an impact.
 const AT_REST: f64 = 1e-8;
-/// Share of the jump that one impact of the contacts that strike may miss.
-const MISSED: f64 = 1e-6;
-/// Share of the velocity that the law returns below which a contact does not bounce.
-const ENDED: f64 = 1e-3;
-
 /// An impact.
 pub(super) struct Impact<'i> {
     /// The input vectors right before and right after.
@@ -61,7 +57,8 @@ pub(super) fn ended(acceleration: &mut Acceleration<'_>, impact: &Impact<'_>) ->
     let ended = |&contact: &usize| {
         let returned = acceleration.normal_velocity(contact, impact.after).0;
         let speed = acceleration.normal_velocity(contact, impact.before).0;
-        speed >= 0.0 || returned <= -ENDED * acceleration.model.restitution(contact) * speed
+        speed >= 0.0
+            || returned <= -yardstick::VISIBLE * acceleration.model.restitution(contact) * speed
     };
     struck.filter(ended).collect()
 }
@@ -96,7 +93,7 @@ pub(super) fn jump(
     for (&line, impulse) in lines.zip(&impulses) {
         acceleration.push(line, -impulse, &mut left);
     }
-    if largest(&left) > MISSED * largest(&v_before).max(largest(&v_after)) {
+    if largest(&left) > yardstick::PROMISE * largest(&v_before).max(largest(&v_after)) {
         return Err(together(impact.time));
     }
     let mut velocities = as_they_are(acceleration, moved, &impulses);
@@ -189,7 +186,7 @@ fn conditions_before(
         let returned = acceleration.normal_velocity(contact, impact.after).0;
         let (speed, by) = acceleration.normal_velocity(contact, impact.before);
         let change = moved.of(by);
-        let least = MISSED * fastest * largest(&by[n..2 * n]);
+        let least = yardstick::PROMISE * fastest * largest(&by[n..2 * n]);
         let e = acceleration.model.restitution(contact);
         if (returned + e * speed).abs() > least {
             return Err(together(impact.time));

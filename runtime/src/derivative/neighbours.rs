@@ -19,6 +19,7 @@ use super::sides::{OneSided, Side};
 use crate::InputError;
 use crate::model::Model;
 use crate::simulation::{EventDriven, InitialValueProblem, Quantity, Simulation, Simulator as _};
+use crate::yardstick;
 
 /// Distance of the farthest motion that is looked at, as a share of the value.
 const DISTANCE: f64 = 1e-4;
@@ -26,17 +27,10 @@ const DISTANCE: f64 = 1e-4;
 const AGREE: f64 = 1e-4;
 /// Part of the way to the nearest neighbour that the end may move beyond its derivative: the end is a continuous function.
 const JUMP: f64 = 4.0;
-/// Share of the time by which instants of the end may differ: rounding.
-const SAME_TIME: f64 = 1e-12;
 /// Tolerance of a neighbour that steps between events have to find: where next to nothing moves, elements may miss theirs.
 const TOLERANCE: f64 = 1e-10;
 /// Share of the largest value that is the error of a motion.
 const ERROR: f64 = 1e-7;
-/// Size below which all that a motion does is rounding, in the units of the scene: where a body rests at 0 nothing else tells.
-const LEAST: f64 = 1e-9;
-/// Share of the largest derivative that counts as none where limits are compared.
-const NONE: f64 = 1e-9;
-
 /// Simulates a scene from a start.
 pub type Simulate<'s> =
     dyn FnMut(&dyn Model, &InitialValueProblem) -> Result<Simulation, InputError> + 's;
@@ -126,7 +120,7 @@ impl Known {
         let states = near.end.iter().enumerate().map(|(i, value)| {
             let mut ends = self.ends.iter();
             ends.any(|end| {
-                let error = ERROR * largest(end).max(LEAST);
+                let error = ERROR * largest(end).max(yardstick::NOTHING);
                 (value - end[i]).abs() <= JUMP * near.distance * size + error
             })
         });
@@ -160,7 +154,7 @@ fn ends(run: &Simulation) -> Vec<Vec<f64>> {
     };
     let first = trajectory
         .time
-        .partition_point(|&t| t < last * (1.0 - SAME_TIME));
+        .partition_point(|&t| t < last * (1.0 - yardstick::ROUNDING));
     (first..trajectory.time.len())
         .map(|k| [&trajectory.q[k][..], &trajectory.v[k]].concat())
         .collect()
@@ -200,7 +194,9 @@ fn limits(
     };
     let continuous = known.continuous(&near);
     let size = largest(&near.by);
-    let same = |one: f64, other: f64| (other - one).abs() <= AGREE * other.abs() + NONE * size;
+    let same = |one: f64, other: f64| {
+        (other - one).abs() <= AGREE * other.abs() + yardstick::NOTHING * size
+    };
     let mut nearest = None;
     let rows = 0..near.by.len();
     rows.map(|i| {

@@ -7,9 +7,8 @@ use super::step::{At, STAGES, Step, Steps};
 use super::tangent::largest;
 use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{ContactMode, Direction, InitialValueProblem, Simulation};
+use crate::yardstick;
 
-/// Share of accelerations, and of the largest velocity, that rounding may leave.
-pub(super) const ROUNDING: f64 = 1e-9;
 /// Share of the sizes of its terms that a vanishing force or sliding velocity may have.
 pub(super) const VANISHED: f64 = 1e-5;
 
@@ -51,7 +50,7 @@ impl<'w> Place<'w> {
             gap_sizes,
             sizes: [
                 place,
-                size(&trajectory.v).max(ROUNDING * place / problem.horizon),
+                size(&trajectory.v).max(yardstick::NOTHING * place / problem.horizon),
             ],
             run,
             problem,
@@ -196,7 +195,7 @@ impl<'w> Place<'w> {
         let pairs = own.iter().zip(&self.acceleration.value);
         let most = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         self.enter_at(x);
-        known && most > ROUNDING * size
+        known && most > yardstick::NOTHING * size
     }
 }
 

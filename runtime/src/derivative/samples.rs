@@ -6,9 +6,7 @@ use super::step::{Step, stage_input};
 use super::tangent::{Matrix, Tangent};
 use crate::model::Measured;
 use crate::simulation::Instant;
-
-/// Share of a time by which it may lie behind the last instant: rounding.
-const ROUNDING: f64 = 1e-12;
+use crate::yardstick;
 
 /// Values at increasing times, as far as they are known. At an event they are those right before it.
 pub(super) struct Samples<'s> {
@@ -39,7 +37,7 @@ impl<'s> Samples<'s> {
     /// The next time, if it is at most `limit`.
     fn next(&self, limit: f64) -> Option<f64> {
         let time = *self.times.get(self.values.len())?;
-        (time <= limit + ROUNDING * limit.abs()).then_some(time)
+        (time <= limit + yardstick::ROUNDING * limit.abs()).then_some(time)
     }
 
     /// What is measured at the start, where the acceleration is evaluated.

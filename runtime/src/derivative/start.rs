@@ -15,11 +15,10 @@ use super::tangent::Tangent;
 use crate::InputError;
 use crate::model::Model;
 use crate::simulation::{ClosedStart, InitialValueProblem};
+use crate::yardstick;
 
 /// Step of the differences, as a share of the quantity: `h^6` and the rounding of double precision over it are alike.
 const STEP: f64 = 2e-3;
-/// Share of the largest coordinate, or velocity, by which joints move a start that fulfils them: rounding.
-const COMPLETED: f64 = 1e-9;
 /// Weights of the differences, over the step.
 const WEIGHTS: [(f64, f64); 3] = [(1.0, 0.75), (2.0, -0.15), (3.0, 1.0 / 60.0)];
 
@@ -41,7 +40,7 @@ pub(super) fn start(
     let n = problem.q.len();
     let moves = |range: std::ops::Range<usize>| {
         let size = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| x.abs().max(most));
-        let least = COMPLETED * size(&own[range.clone()]).max(size(&given[range.clone()]));
+        let least = yardstick::NOTHING * size(&own[range.clone()]).max(size(&given[range.clone()]));
         let mut pairs = own[range.clone()].iter().zip(&given[range]);
         pairs.any(|(own, given)| (own - given).abs() > least)
     };

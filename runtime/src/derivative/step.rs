@@ -12,20 +12,16 @@ use super::mode::{Acceleration, input};
 use super::tangent::{Factors, Layout, Matrix, Tangent, add, largest};
 use crate::model::ControlPiece;
 use crate::rk::{ButcherTableau, Scheme};
+use crate::yardstick;
 
 /// Stages of a step: one more than the finest elements of a run have, so that the error of the run is what counts.
 pub(super) const STAGES: usize = 7;
 /// Newton iterations of a step with derivatives of all stages.
 const MOST_ITERATIONS: usize = 8;
-/// Relative change that is rounding where changes get no smaller.
-const ROUNDING: f64 = 1e-9;
 /// Iterations without new derivatives between two of them: each costs a fraction of one with.
 const MOST_REPEATED: usize = 6;
 /// Ratio of the changes of two of them above which new derivatives are worth their cost.
 const CONTRACTS: f64 = 0.1;
-/// Change of the velocity, relative to its size, that leaves nothing but rounding in derivatives.
-const CONVERGED: f64 = 1e-12;
-
 /// A state with its time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct At<'s> {
@@ -240,12 +236,19 @@ impl Steps {
                 return None;
             }
             // Where rounding is more than that, changes stay as large as they are.
-            if change <= CONVERGED * speed || (change <= ROUNDING * speed && change >= last) {
+            if change <= yardstick::ROUNDING * speed
+                || (change <= yardstick::NOTHING * speed && change >= last)
+            {
                 system = Some(factors);
                 break;
             }
             last = change;
-            self.repeat(acceleration, step, &factors, (change, CONVERGED * speed))?;
+            self.repeat(
+                acceleration,
+                step,
+                &factors,
+                (change, yardstick::ROUNDING * speed),
+            )?;
             system = Some(factors);
         }
         system

@@ -6,12 +6,12 @@
 
 use super::crossing::{Crossing, apart, contacts_of};
 use super::event::{Cause, causes};
-use super::existence::{DRIFT, Existence, HELD};
+use super::existence::Existence;
 use super::joint_rows::JointRows;
 use super::margins::{Margin, least, margins};
 use super::mode::Acceleration;
 use super::outputs::outputs;
-use super::place::{Place, ROUNDING};
+use super::place::Place;
 use super::projection::project;
 use super::quantities::Quantities;
 use super::ranges::Ranges;
@@ -21,11 +21,10 @@ use super::tangent::{Layout, Matrix, Tangent, add, largest};
 use super::tape::Tape;
 use crate::model::Model;
 use crate::simulation::{Event, InitialValueProblem, Simulation};
+use crate::yardstick;
 
 /// Distance of a step from the known motion, relative to the largest values of that, above which it is another motion.
 const ANOTHER: f64 = 1e-5;
-/// Share of accelerations that balance which rounding may leave.
-const BALANCED: f64 = 1e-12;
 /// The derivatives along a motion.
 // Many fields: where the walk is, and what is asked of it.
 pub(super) struct Walk<'w> {
@@ -126,7 +125,11 @@ impl<'w> Walk<'w> {
                 self.pass_recorded(events, (first, last))?;
             }
             let begins = first == 0 || !events.is_empty();
-            let share = if begins { HELD } else { DRIFT };
+            let share = if begins {
+                yardstick::PROMISE
+            } else {
+                yardstick::VISIBLE
+            };
             let here = (&mut self.at, &self.tangent);
             self.existence.check_holds(here, (last, share));
             self.put_back(last)?;
@@ -229,7 +232,7 @@ impl<'w> Walk<'w> {
     fn look_within(&mut self, k: usize, [begin, end]: [&[Margin]; 2], before: &Tangent) {
         // What vanishes at its start was looked at there.
         let turns = |(from, to): &(&Margin, &Margin)| {
-            let falls = from.rate < 0.0 && from.value > ROUNDING * from.size;
+            let falls = from.rate < 0.0 && from.value > yardstick::NOTHING * from.size;
             from.of == to.of && falls && to.rate >= 0.0
         };
         let mut looked = false;
@@ -277,7 +280,7 @@ impl<'w> Walk<'w> {
         let missed = missed.ok_or_else(|| self.at.undetermined(k))?;
         let h = trajectory.time[k + 1] - trajectory.time[k];
         // What balances leaves its rounding.
-        let balanced = BALANCED * h * largest(self.at.acceleration.free_acceleration());
+        let balanced = yardstick::ROUNDING * h * largest(self.at.acceleration.free_acceleration());
         let limits = [
             ANOTHER * self.at.sizes[0] + h * balanced,
             ANOTHER * self.at.sizes[1] + balanced,

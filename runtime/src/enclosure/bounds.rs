@@ -4,6 +4,7 @@ use super::calm::WIDE;
 use super::range::{CALM, Range};
 use crate::model::tape::{Function, Function2, Operation, Source};
 use crate::model::{Explicit, Model, joint_rows};
+use crate::yardstick;
 
 /// Factor by which a divisor may change where its inverse is a polynomial of a few powers.
 const FACTOR: f64 = 4.0;
@@ -11,9 +12,6 @@ const FACTOR: f64 = 4.0;
 const STEADY: f64 = 1.5;
 /// Factors of a product that stages tell: `(1 - x^2)^32` has half of its height over an eighth of where its factors lie.
 const FACTORS: f64 = 32.0;
-/// Share of another term, or of a value elsewhere in the piece, that is nothing beside it: less than any run promises.
-const NOTHING: f64 = 1e-12;
-
 /// Evaluates explicit functions of a model on ranges of their inputs.
 pub(crate) struct Bounds<'a> {
     model: &'a dyn Model,
@@ -158,7 +156,8 @@ impl<'a> Bounds<'a> {
         let at = |part: u32| self.values[part as usize];
         let count = |part: u32| counts[part as usize];
         let told = |part: u32| count(part).at_most(FACTORS * at(part).change());
-        let is_nothing = |a: u32, b: u32| at(a).size().high <= NOTHING * at(b).size().low;
+        let is_nothing =
+            |a: u32, b: u32| at(a).size().high <= yardstick::ROUNDING * at(b).size().low;
         let place = counts.len();
         let own = Factors::of(operation, place, count);
         match operation {
@@ -199,7 +198,7 @@ impl<'a> Bounds<'a> {
         let sizes = self.sizes.iter().find(|one| known(one));
         let size = |k: usize| sizes.map_or(0.0, |(_, sizes)| sizes[k]);
         // Numbers below the least normal one have no digits.
-        let most = |k: usize| (NOTHING * size(k)).max(f64::MIN_POSITIVE);
+        let most = |k: usize| (yardstick::ROUNDING * size(k)).max(f64::MIN_POSITIVE);
         steep.iter().all(|&(k, size)| size <= most(k))
     }
 

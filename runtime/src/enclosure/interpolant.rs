@@ -4,14 +4,13 @@
 use super::crossing::Bounded;
 use super::path::Path;
 use super::range::Range;
+use crate::yardstick;
 
 /// Degree of the polynomials.
 const DEGREE: usize = 8;
 /// Places of a part at which its polynomial is compared with the function: at no simple share of it, so that what repeats itself does
 /// not look like something slow.
 const ODD: [f64; 3] = [0.137, 0.484, 0.829];
-/// Share of the range of the function that a polynomial may miss there, in a part that is not halved.
-const MISSED: f64 = 1e-6;
 /// Most parts. Chosen: a function that varies within a hundredth of a step is none of that step.
 const MOST_PARTS: usize = 64;
 
@@ -41,7 +40,7 @@ impl<F: FnMut(f64) -> f64> Interpolant<F> {
             let missed =
                 ODD.map(|share| (value(from + share * width) - path.value(0, share)).abs());
             let error = missed.into_iter().fold(0.0, f64::max);
-            let resolved = error <= MISSED * range.size().high;
+            let resolved = error <= yardstick::PROMISE * range.size().high;
             if resolved || parts.len() + open.len() + 2 > MOST_PARTS {
                 let ends = [from, to];
                 parts.push(Part { ends, path, error });

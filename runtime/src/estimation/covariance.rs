@@ -7,10 +7,11 @@
 //!
 //! The second is the sandwich of Huber (*The behavior of maximum likelihood estimates under nonstandard conditions*, 1967).
 
-use super::least_squares::{Evaluation, NOTHING};
+use super::least_squares::Evaluation;
 use super::result::Direction;
 use super::svd::{Svd, dot};
 use crate::model::ParameterDeclaration;
+use crate::yardstick;
 
 /// Share of the largest singular value below which a direction is not determined: derivatives are known to about 1e-9.
 const UNDETERMINED: f64 = 1e-7;
@@ -49,7 +50,7 @@ impl Knowledge {
         };
         let svd = Svd::of(moving.iter().map(column).collect());
         let largest = svd.largest();
-        let is_known = |k: usize| svd.sigma[k] > UNDETERMINED.max(NOTHING) * largest;
+        let is_known = |k: usize| svd.sigma[k] > UNDETERMINED.max(yardstick::NOTHING) * largest;
         let mut covariance = vec![vec![0.0; n]; n];
         let mut undetermined = Vec::new();
         for k in 0..moving.len() {

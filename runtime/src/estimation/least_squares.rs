@@ -11,6 +11,7 @@
 //! linearly beyond a bound `c` (Huber) enter with the weight `min(1, c/|r|)`, so that the gradient is that of the loss.
 
 use super::svd::{Svd, dot};
+use crate::yardstick;
 
 /// Most steps from one start.
 const MOST_STEPS: usize = 100;
@@ -20,13 +21,8 @@ const MOST_TRIALS: usize = 25;
 const DAMPING: f64 = 1e-3;
 /// Distance from the optimum in standard deviations below which rounding decides, and the same with the residuals.
 const FINE: f64 = 1e-9;
-/// Share of a range that is rounding.
-const AT_BOUND: f64 = 1e-12;
 /// Largest distance from an optimum, in standard deviations of what is found, and in ranges.
 const OPTIMAL: [f64; 2] = [1e-4, 1e-6];
-/// Share of the largest singular value below which a direction changes nothing.
-pub(super) const NOTHING: f64 = 1e-9;
-
 /// Residuals and their derivatives.
 #[derive(Debug, Clone)]
 pub(super) struct Evaluation {
@@ -120,7 +116,7 @@ impl Linear {
         let presses = |j: usize| {
             let slope = dot(&columns[j], &residuals);
             let (lower, upper) = bounds[j];
-            let near = AT_BOUND * (upper - lower);
+            let near = yardstick::ROUNDING * (upper - lower);
             (x[j] <= lower + near && slope > 0.0) || (x[j] >= upper - near && slope < 0.0)
         };
         let moving: Vec<usize> = (0..x.len()).filter(|&j| !presses(j)).collect();
@@ -141,7 +137,7 @@ impl Linear {
     }
 
     fn is_something(&self, k: usize) -> bool {
-        self.svd.sigma[k] > NOTHING * self.svd.largest()
+        self.svd.sigma[k] > yardstick::NOTHING * self.svd.largest()
     }
 
     /// Distance from the optimum, in standard deviations of what is found.

@@ -6,6 +6,7 @@ use super::measurements::Measurements;
 use super::motions::Motions;
 use super::result::{Estimate, EstimatedParameter, FittedExperiment, LocalFit, Status};
 use crate::model::{Model, ParameterDeclaration};
+use crate::yardstick;
 use crate::{InputError, Observer, refusal};
 use hangtime_solver::clock::ThreadTime;
 
@@ -16,8 +17,6 @@ const SHARES: [f64; 4] = [0.15, 0.3, 0.6, 1.0];
 const FURTHER: usize = 8;
 /// Spread of the residuals above which the measurements are not described.
 const DESCRIBED: f64 = 3.0;
-/// Share of a misfit by which two ends are one.
-const SAME: f64 = 1e-6;
 /// The first prime numbers: bases in which starts are spread (Halton 1960).
 const BASES: [usize; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];
 
@@ -174,7 +173,7 @@ fn from(motions: &mut Motions<'_, '_>, start: &[f64]) -> Option<Local> {
 /// Whether an end has less misfit, or as much with its conditions fulfilled.
 fn is_better(one: &Local, other: &Local) -> bool {
     let (own, its) = (one.at.misfit(), other.at.misfit());
-    if (own - its).abs() <= SAME * own.max(its) {
+    if (own - its).abs() <= yardstick::PROMISE * own.max(its) {
         return one.optimal && !other.optimal;
     }
     own < its
@@ -184,7 +183,7 @@ fn is_better(one: &Local, other: &Local) -> bool {
 fn keep(ends: &mut Vec<(Local, usize)>, end: Local) {
     let is_same = |known: &Local| {
         let (own, its) = (end.at.misfit(), known.at.misfit());
-        (own - its).abs() <= SAME * own.max(its).max(SAME)
+        (own - its).abs() <= yardstick::PROMISE * own.max(its).max(yardstick::PROMISE)
     };
     if let Some((known, count)) = ends.iter_mut().find(|(known, _)| is_same(known)) {
         *count += 1;

@@ -4,16 +4,10 @@
 //! them, whatever the other coordinates are, the unit of the gap, and a factor in it. Velocities likewise.
 //! The largest coordinates so far count, since all terms may vanish together.
 
-/// Rounding error of a gap or a velocity, relative to its size.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+use crate::yardstick;
+
 /// What cannot be told from zero, relative to its size: the rounding errors of a run.
 const COLLECTED: f64 = 1024.0 * f64::EPSILON;
-/// Velocity that counts as zero beside a force or an impulse, relative to its size.
-const TOUCHING_VELOCITY: f64 = 1e-9;
-/// Sliding velocity that counts as zero, relative to its size: where it vanishes is located to rounding
-/// error.
-const AT_REST: f64 = 1e-12;
-
 /// Sizes of gap and velocities of a contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ContactSize {
@@ -75,7 +69,7 @@ impl ContactSize {
 
     /// Rounding error of the gap.
     pub(crate) fn gap_rounding(self) -> f64 {
-        ROUNDING * self.gap
+        yardstick::DIGITS * self.gap
     }
 
     /// Gap up to which the contact touches.
@@ -100,13 +94,13 @@ impl ContactSize {
 
     /// Rounding error of the normal velocity.
     pub(crate) fn velocity_rounding(self) -> f64 {
-        ROUNDING * (self.velocity + self.gained)
+        yardstick::DIGITS * (self.velocity + self.gained)
     }
 
     /// Normal velocity up to which the contact touches; a flight that begins with less is over in less time than
     /// a run tells apart.
     pub(crate) fn touching_velocity(self) -> f64 {
-        let zero = (TOUCHING_VELOCITY * self.velocity).max(COLLECTED * self.gained);
+        let zero = (yardstick::NOTHING * self.velocity).max(COLLECTED * self.gained);
         zero.max(self.unresolved)
     }
 
@@ -117,16 +111,16 @@ impl ContactSize {
 
     /// Rounding error of the sliding velocity.
     pub(crate) fn sliding_rounding(self) -> f64 {
-        ROUNDING * (self.sliding + self.gained_sliding)
+        yardstick::DIGITS * (self.sliding + self.gained_sliding)
     }
 
     /// Sliding velocity beyond rest that another switch explains; larger ones are switches of their own.
     pub(crate) fn crossed_rest(self) -> f64 {
-        (TOUCHING_VELOCITY * self.sliding).max(COLLECTED * self.gained_sliding)
+        (yardstick::NOTHING * self.sliding).max(COLLECTED * self.gained_sliding)
     }
 
     /// Sliding velocity that counts as rest.
     pub(crate) fn at_rest(self) -> f64 {
-        (AT_REST * self.sliding).max(COLLECTED * self.gained_sliding)
+        (yardstick::ROUNDING * self.sliding).max(COLLECTED * self.gained_sliding)
     }
 }

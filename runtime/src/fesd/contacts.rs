@@ -4,6 +4,7 @@
 //! contact, which acts along `d_i`, or along `d_i -+ mu_i e_i` while it slips; and `v_t' = 0` for the
 //! friction `s_i` of a sticking contact, which acts along `e_i`.
 
+use crate::yardstick;
 use std::ops::{Deref, DerefMut};
 
 pub(crate) use crate::contact::{Line, ModeError, dot};
@@ -27,9 +28,6 @@ const SINGULAR: f64 = 1e-14;
 
 /// Share of its terms up to which a sum is rounding error.
 const CANCELS: f64 = 8.0 * f64::EPSILON;
-
-/// Bound of dry friction below zero, as a share of its largest, that is no rounding error.
-const NEGATIVE: f64 = 1e-9;
 
 /// Evaluates contacts and their forces at a point: the [`View`] that laws read, and the sizes that the motion has had.
 // Many fields: the memory of an evaluation, and the sizes that the motion has had.
@@ -140,7 +138,7 @@ impl<'a> Contacts<'a> {
     pub(crate) fn check_bounds(&self) -> Result<(), ModeError> {
         let negative = |&i: &usize| {
             let given = -self.normal_acceleration(i);
-            given < -NEGATIVE * self.scales[i] && !self.follows(i)
+            given < -yardstick::NOTHING * self.scales[i] && !self.follows(i)
         };
         match (self.surfaces..self.scales.len()).find(negative) {
             Some(contact) => Err(ModeError::NegativeBound(contact)),
@@ -157,7 +155,9 @@ impl<'a> Contacts<'a> {
         let mut pairs = active.iter().zip(forces);
         let negative = |&(held, &force): &(&ActiveContact, &f64)| {
             let scale = self.scales[held.contact].max(force.abs());
-            force < -NEGATIVE * scale && self.is_dry(held.contact) && self.follows(held.contact)
+            force < -yardstick::NOTHING * scale
+                && self.is_dry(held.contact)
+                && self.follows(held.contact)
         };
         match pairs.find(negative) {
             Some((held, _)) => Err(ModeError::NegativeBound(held.contact)),

@@ -6,9 +6,7 @@
 
 use crate::model::held::moving;
 use crate::model::{Function, JointsDeclaration, Model};
-
-/// Share of the largest entry of a row below which what is left of it, less what others say, is rounding.
-pub(crate) const NOTHING: f64 = 1e-9;
+use crate::yardstick;
 
 /// An equation and the component that it decides.
 pub(crate) struct Pair {
@@ -99,7 +97,7 @@ fn largest_pivot(
         .iter()
         .any(|&row| kinds[row] && has_pivot(&matrix[row], free));
     let mut best: Option<(usize, usize)> = None;
-    let mut most = NOTHING;
+    let mut most = yardstick::NOTHING;
     for (place, &row) in open.iter().enumerate() {
         if positions && !kinds[row] {
             continue;
@@ -115,7 +113,8 @@ fn largest_pivot(
 }
 
 fn has_pivot(row: &[f64], free: &[usize]) -> bool {
-    free.iter().any(|&column| row[column].abs() > NOTHING)
+    free.iter()
+        .any(|&column| row[column].abs() > yardstick::NOTHING)
 }
 
 /// Divides a row by its largest entry.

@@ -3,12 +3,10 @@
 //! Systems of 4 to 100 unknowns are factorized thousands of times a simulation; the factors overwrite
 //! the matrix and nothing is allocated but a list of places in large ones.
 
+use crate::yardstick;
+
 /// Order of a matrix from which on rows are looked through for zeros: bodies that do not touch each other are not coupled.
 const LARGE: usize = 64;
-/// Pivot, to the largest one, up to which equations of about equal size are looked at as dependent: directions that differ by less than its
-/// root \[rad\], as in [`small_system`](super::small_system).
-const DEPENDENT: f64 = 1e-12;
-
 /// A matrix that cannot be factorized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("singular matrix: no usable pivot in column {column}")]
@@ -88,7 +86,7 @@ pub(crate) fn factorize_independent(a: &mut [f64], pivots: &mut [usize]) -> bool
     let (least, most) = sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| {
         (least.min(size), most.max(size))
     });
-    pivots.is_empty() || least > DEPENDENT * most
+    pivots.is_empty() || least > yardstick::ROUNDING * most
 }
 
 /// Solves `A x = b` with the factors of [`factorize`]; `b` is overwritten by `x`.

@@ -4,6 +4,8 @@
 //! pose such problems for their impulses and their accelerations. Source: Cottle, Pang, Stone, The
 //! Linear Complementarity Problem, section 4.4.
 
+use crate::yardstick;
+
 /// Why no solution was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum LcpError {
@@ -105,10 +107,6 @@ fn pivot(tableau: &mut [f64], columns: usize, row: usize, column: usize) {
     }
 }
 
-/// Entries of the tableau that are rounding errors of pivots; those of contacts are of the order of one, and
-/// small ones carry the inertia of light bodies between heavy ones.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-
 /// Row with the smallest ratio; ties go to the artificial variable, then to the lexicographic order of
 /// the rows of the basis inverse, which prevents cycling.
 fn ratio_test(
@@ -123,7 +121,8 @@ fn ratio_test(
         |i: usize, column: usize| tableau[i * columns + column] / tableau[i * columns + entering];
     let mut best: Option<usize> = None;
     for i in 0..n {
-        if tableau[i * columns + entering] <= ROUNDING {
+        // Entries of contacts are of the order of one; small ones carry the inertia of light bodies between heavy ones.
+        if tableau[i * columns + entering] <= yardstick::DIGITS {
             continue;
         }
         let Some(current) = best else {

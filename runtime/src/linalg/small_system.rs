@@ -1,8 +1,6 @@
 //! A small dense linear system, solved in place by Gaussian elimination with row pivoting.
 
-/// Pivots below this share of the largest entry of the matrix count as zero: rounding leaves `1e-16`,
-/// and contact normals that differ by less than `1e-6` rad cannot be told apart by their forces.
-const SINGULAR: f64 = 1e-12;
+use crate::yardstick;
 
 /// Order of a matrix from which on rows are looked through for zeros. Chosen: below, looking takes as long as adding them.
 const LARGE: usize = 16;
@@ -22,7 +20,7 @@ pub(crate) fn solve(matrix: &mut [f64], right: &mut [f64]) -> Option<f64> {
             }
         }
         let size = matrix[pivot * m + column].abs();
-        if size <= SINGULAR * largest || size.is_nan() {
+        if size <= yardstick::ROUNDING * largest || size.is_nan() {
             return None;
         }
         if pivot != column {

@@ -11,12 +11,11 @@ use crate::model::held::{complete_start, is_held, moving};
 use crate::model::{Function, Given, Model};
 use crate::refusal;
 use crate::simulation::{ClosedStart, ControlSignal, InputError};
+use crate::yardstick;
 use nalgebra::{DMatrix, DVector};
 
 /// Newton steps of the free initial values.
 const STEPS: usize = 50;
-/// Share of its terms up to which a row holds.
-const ROUNDING: f64 = 1e-12;
 /// Singular values, to the largest, below which free initial values do not move a row.
 const DEPENDENT: f64 = 1e-10;
 
@@ -155,7 +154,7 @@ fn move_what_is_free(model: &dyn Model, problem: &Problem, start: &mut [f64]) {
             let Some((step, off)) = newton(model, &moved, first == 0, &free) else {
                 break;
             };
-            if off <= ROUNDING {
+            if off <= yardstick::ROUNDING {
                 start.copy_from_slice(&moved);
                 break;
             }

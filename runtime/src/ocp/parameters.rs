@@ -2,6 +2,7 @@
 
 use crate::derivative::SequenceRange;
 use crate::simulation::number;
+use crate::yardstick;
 
 /// A free parameter that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,15 +20,12 @@ pub struct FoundParameter {
     pub range: (f64, f64),
 }
 
-/// Distance from an end of its range, as a share of that, up to which a parameter ends there.
-const AT_BOUND: f64 = 1e-6;
-
 impl FoundParameter {
     /// The end of its range that it lies at, `"lower"` or `"upper"`, if it does: the objective improves beyond it.
     #[must_use]
     pub fn at_bound(&self) -> Option<&'static str> {
         let (lower, upper) = self.range;
-        let near = AT_BOUND * (upper - lower);
+        let near = yardstick::PROMISE * (upper - lower);
         if self.value - lower <= near {
             Some("lower")
         } else if upper - self.value <= near {

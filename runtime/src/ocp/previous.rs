@@ -7,9 +7,7 @@ use crate::ocp::motion::sequence::{Place, Sequence};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::refusal;
 use crate::simulation::InputError;
-
-/// Switches nearer to an interval end than this share of the interval keep to it.
-const AT_THE_END: f64 = 1e-9;
+use crate::yardstick;
 
 /// Controls, states and contact sequence of an earlier solution; see
 /// [`Guess::Previous`](super::Guess::Previous).
@@ -100,7 +98,7 @@ impl Previous {
         let mut sequence = self.sequence.clone();
         for switch in &mut sequence.switches {
             let time = switch.time * factor;
-            let whole = (time - time.round()).abs() < AT_THE_END;
+            let whole = (time - time.round()).abs() < yardstick::NOTHING;
             switch.time = time;
             if switch.place == Place::Start && whole {
                 switch.interval = (time.round() as usize).min(intervals);

@@ -3,17 +3,10 @@
 use crate::model::{Function, Given, Model, Pieces, contact_point, held};
 use crate::refusal;
 use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
+use crate::yardstick;
 
 /// Most control intervals: the programs are kept in memory.
 const MOST_INTERVALS: usize = 10_000;
-
-/// Normal velocity into a surface, relative to the largest velocities, and violation of a constraint, relative to its terms, that
-/// rounding may cause at the start.
-const AT_REST: f64 = 1e-9;
-
-/// Depth of a start below a surface, relative to the terms of the gap, from which on it is more than rounding of these: the same motion
-/// over a shorter time would be refused.
-const BELOW: f64 = 1e-9;
 
 /// An optimal control problem on a [`Model`]:
 ///
@@ -202,7 +195,7 @@ impl Problem {
                 .fold(1.0, |most: f64, (_, term)| most.max(*term));
             let value = values[function];
             let violation = if known.equality { value.abs() } else { -value };
-            if violation > AT_REST * size {
+            if violation > yardstick::NOTHING * size {
                 let bound = if known.equality { "0" } else { "at least 0" };
                 return Err(refusal(
                     format!("`{}` at the start", known.name),
@@ -240,7 +233,7 @@ impl Problem {
             let along: f64 = normal.iter().zip(&self.v).map(|(n, v)| n * v).sum();
             let largest = |values: &[f64]| values.iter().fold(0.0, |l: f64, x| l.max(x.abs()));
             let size = largest(normal) * largest(&self.v) + (velocity - along).abs();
-            if touches && velocity < -AT_REST * size {
+            if touches && velocity < -yardstick::NOTHING * size {
                 return Err(refusal(
                     format!("initial normal velocity of `{}`", contact.name),
                     velocity,
@@ -266,7 +259,7 @@ impl Problem {
             let gap = point[contact_point::GAP];
             let normal = &point[contact_point::NORMAL..][..n];
             let terms = normal.iter().zip(&moved.q).map(|(n, q)| (n * q).abs());
-            let below = gap < -BELOW * terms.sum::<f64>();
+            let below = gap < -yardstick::NOTHING * terms.sum::<f64>();
             if below && !Pieces::at(model, &input).is_idle(contact) {
                 let direction = &point[contact_point::direction(n)..][..n];
                 for (q, d) in moved.q.iter_mut().zip(direction) {

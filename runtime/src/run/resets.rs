@@ -3,9 +3,7 @@
 use super::instant::Instant;
 use crate::contact::{ContactState, Line};
 use crate::model::{ContactDeclaration, Model, Switching, tangent_point};
-
-/// Share of the time up to which conditions come true at one instant: a thousand roundings of the time at which their functions are located.
-const ONE_INSTANT: f64 = 1e-12;
+use crate::yardstick;
 
 /// Whether a contact is a condition that sets something.
 fn is_condition<'a>(now: &impl Instant<'a>, contact: usize) -> bool {
@@ -53,7 +51,7 @@ pub(crate) fn coming<'a>(now: &mut impl Instant<'a>, located: Option<usize>) -> 
     if waiting.is_empty() || now.time() == 0.0 {
         return Vec::new();
     }
-    let (acceleration, instant) = (now.accelerations(), ONE_INSTANT * now.time());
+    let (acceleration, instant) = (now.accelerations(), yardstick::ROUNDING * now.time());
     let mut comes = |&i: &usize| {
         let against = function(now, i);
         let rate = now

@@ -5,11 +5,10 @@ use super::instant::Instant;
 use super::place::{Place, sizes};
 use crate::contact::{Rest, View};
 use crate::model::Function;
+use crate::yardstick;
 
 /// Share of the horizon within which switches that lead to a rest follow each other.
 pub(crate) const BURST: f64 = 1e-6;
-/// Share of the terms of an acceleration up to which it is zero where a rest is looked for.
-pub(super) const BALANCED: f64 = 1e-9;
 /// Share up to which it is zero where a rest goes on: its end is a place in time, which this is the accuracy of.
 const HOLDS: f64 = 1e-13;
 /// Sweeps over the parts of the sides in a mixture.
@@ -36,7 +35,7 @@ pub(crate) fn lasts<'a>(now: &mut impl Instant<'a>, longest: f64) -> Option<(f64
     let view = now.view_mut();
     let lasts = balance_lasts(view, &place, longest);
     let over = lasts < longest;
-    if !over && let Some(parts) = mixture(view, &place, lasts, BALANCED) {
+    if !over && let Some(parts) = mixture(view, &place, lasts, yardstick::NOTHING) {
         view.rest = Some(Rest { parts, ..rest });
     }
     Some((lasts, over))

@@ -21,11 +21,12 @@
 //!
 //! Source: Filippov, *Differential Equations with Discontinuous Righthand Sides* (1988), paragraphs 15 and 22.
 
+use crate::yardstick;
 use std::ops::DerefMut;
 
 use super::ahead::{Begun, acceleration, ahead, set_sides};
 use super::place::{Place, sizes};
-use super::rest::{BALANCED, mixture};
+use super::rest::mixture;
 use super::turns::turns_outwards;
 use crate::contact::{Balance, Line, ModeError, Rest, View, dot};
 use crate::model::pair_size;
@@ -45,9 +46,6 @@ const DOUBLINGS: usize = 8;
 /// it is known to do so. Chosen: a growth of 0.4 % at each corner is seen.
 const CORNERS: usize = 1_000;
 const FAR: f64 = 30.0;
-/// Share of the terms of an acceleration above which a choice of sides leaves a rest at once.
-const LEAVES: f64 = 1e-6;
-
 /// The side of a switch, given that by its rate, if it has one.
 type SideOf<'k, H> = dyn Fn(&H, usize, Option<f64>) -> Option<f64> + 'k;
 
@@ -448,7 +446,7 @@ fn leaves_at_once(view: &mut View<'_>, at: &Place<'_>) -> Result<bool, ModeError
     let columns = at.columns(view);
     let scale = sizes(view, &columns);
     let mut rows = acceleration.iter().zip(&scale);
-    Ok(rows.any(|(a, scale)| a.abs() > LEAVES * scale))
+    Ok(rows.any(|(a, scale)| a.abs() > yardstick::PROMISE * scale))
 }
 
 /// Whether what acts jumps with the sides of the `open` switches.
@@ -457,7 +455,7 @@ fn jumps(view: &mut View<'_>, at: &Place<'_>, open: &[usize]) -> Result<bool, Mo
     let scale = sizes(view, &at.columns(view));
     Ok(acting(view, at, open).iter().any(|column| {
         let mut rows = column.iter().zip(&scale);
-        rows.any(|(g, scale)| g.abs() > BALANCED * scale)
+        rows.any(|(g, scale)| g.abs() > yardstick::NOTHING * scale)
     }))
 }
 
@@ -475,13 +473,13 @@ fn matters(
     view.sides[open[k]] = -1.0;
     let other = acceleration(view, at, at.x, false)?;
     let mut rows = one.iter().zip(&other).zip(&scale);
-    Ok(rows.any(|((one, other), scale)| (one - other).abs() > BALANCED * scale))
+    Ok(rows.any(|((one, other), scale)| (one - other).abs() > yardstick::NOTHING * scale))
 }
 
 /// The rest at the place and a moment later, if there is one.
 fn rest(view: &mut View<'_>, at: &Place<'_>) -> Option<Rest> {
-    let parts = mixture(view, at, 0.0, BALANCED)?;
-    mixture(view, at, at.later(), BALANCED)?;
+    let parts = mixture(view, at, 0.0, yardstick::NOTHING)?;
+    mixture(view, at, at.later(), yardstick::NOTHING)?;
     Some(Rest {
         contacts: at.touching.to_vec(),
         parts,

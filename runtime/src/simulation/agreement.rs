@@ -4,20 +4,11 @@ use super::{
     Counts, Diagnosis, Event, EventKind, InitialValueProblem, Simulation, SimulationStatus,
 };
 use crate::model::{ImpactLaw, Model};
-
-/// Share of a coordinate that is rounding error.
-const ROUNDING: f64 = 1e-12;
+use crate::yardstick;
 
 /// Share of the velocities at its ends by which a flight may be wrong in all runs alike: the rounding of a sum with the weights of Dormand
 /// and Prince, whose sizes sum up to 13.
 const OF_FLIGHT: f64 = 13.0 * f64::EPSILON;
-
-/// Coordinates that move by less than this share of what the kinetic energy could make of them are measured by it: an
-/// angle that only rounding error turns has no size of its own.
-const IDLE: f64 = 1e-3;
-
-/// Least share of what free bodies would do in the time of the run: where all are held only rounding error moves them.
-const HELD: f64 = 1e-9;
 
 /// What tells of an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,8 +127,9 @@ impl Sizes {
         let mechanical = model.declaration().mechanical();
         (mechanical..n).for_each(|k| mass[k * n + k] = 0.0);
         // What does not move has rounding errors only.
-        let held =
-            |(q, a): (&f64, &f64)| (ROUNDING * q.abs()).max(HELD * a.abs() * horizon.powi(2));
+        let held = |(q, a): (&f64, &f64)| {
+            (yardstick::ROUNDING * q.abs()).max(yardstick::NOTHING * a.abs() * horizon.powi(2))
+        };
         let mut way: Vec<f64> = problem.q.iter().zip(&free).map(held).collect();
         let mut speed: Vec<f64> = way.iter().map(|way| way / horizon).collect();
         let mut energy = 0.0_f64;
@@ -151,7 +143,8 @@ impl Sizes {
         let (mut way, mut speed) = (of_unit(run, &way), of_unit(run, &speed));
         let places: Vec<f64> = problem.q.iter().map(|q| q.abs()).collect();
         for (k, place) in of_unit(run, &places).into_iter().enumerate() {
-            let still = way[k] <= ROUNDING * place && speed[k] <= ROUNDING * place / horizon;
+            let still = way[k] <= yardstick::ROUNDING * place
+                && speed[k] <= yardstick::ROUNDING * place / horizon;
             if still {
                 // Where nothing of that unit moves, the last digit of a place is no share of a motion.
                 (way[k], speed[k]) = (place, place / horizon);
@@ -162,16 +155,17 @@ impl Sizes {
         // A coordinate of another unit is held as well as those that would move if they were free.
         let pull = squared(&mass, &free);
         for (k, mass) in heaviest.iter().enumerate() {
-            let held = HELD * (pull / mass).sqrt() * horizon;
+            let held = yardstick::NOTHING * (pull / mass).sqrt() * horizon;
             if held.is_finite() {
                 (way[k], speed[k]) = (way[k].max(held * horizon), speed[k].max(held));
             }
         }
         let times = way.iter().zip(&speed).map(|(way, speed)| way / speed);
         let time = times.filter(|time| time.is_finite()).fold(0.0, f64::max);
+        // An angle that only rounding error turns has no size of its own.
         let idle: Vec<f64> = heaviest
             .iter()
-            .map(|mass| IDLE * (energy / mass).sqrt())
+            .map(|mass| yardstick::VISIBLE * (energy / mass).sqrt())
             .map(|idle| if idle.is_finite() { idle } else { 0.0 })
             .collect();
         let larger = |sizes: Vec<f64>, time: f64| {

@@ -3,15 +3,8 @@
 use super::{InitialValueProblem, Simulation};
 use crate::enclosure::{Along, Sample, Suspect, Watched, earliest_fall};
 use crate::model::{ImpactLaw, Model, Pieces, contact_point};
+use crate::yardstick;
 
-/// Least leap of a gap, as a share of the coordinates and of the gap itself, or the way that velocities go meanwhile: less may be the
-/// error of elements, which the default keeps below it.
-pub(super) const LEAST_LEAP: f64 = 1e-6;
-/// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
-/// without passing zero.
-pub(super) const LEAPS: f64 = 1e-3;
-/// Share of the terms of a gap that is rounding error.
-const ROUNDING: f64 = 1e-12;
 /// Halvings of the way between two places to where a gap closes.
 const HALVINGS: usize = 50;
 
@@ -127,15 +120,18 @@ pub(super) fn leap(run: &Simulation, model: &dyn Model) -> Option<(f64, usize)> 
                 continue;
             }
             // A contact that holds has a gap of rounding, whose sign says nothing.
-            let least = LEAST_LEAP * largest[i].max(size);
-            let rounding = between.rounding(i).max(ROUNDING * largest[i]).max(least);
+            let least = yardstick::PROMISE * largest[i].max(size);
+            let rounding = between
+                .rounding(i)
+                .max(yardstick::ROUNDING * largest[i])
+                .max(least);
             let last = between.gap(i, next, times[1]);
             if last >= 0.0 {
                 continue;
             }
             let (open, closed) = between.around_zero(i, next, (times[0], times[1]));
             let left = between.gap(i, next, open) - between.gap(i, next, closed);
-            if left > (LEAPS * first.max(-last)).max(rounding) {
+            if left > (yardstick::VISIBLE * first.max(-last)).max(rounding) {
                 return Some((closed, i));
             }
         }
@@ -243,6 +239,6 @@ impl<'a> Between<'a> {
             .contact(self.model, contact, &self.x, &mut self.point);
         let normal = &self.point[contact_point::NORMAL..][..n];
         let terms = normal.iter().zip(&self.x).map(|(n, q)| (n * q).abs());
-        ROUNDING * terms.sum::<f64>()
+        yardstick::ROUNDING * terms.sum::<f64>()
     }
 }

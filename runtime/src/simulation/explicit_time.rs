@@ -10,6 +10,7 @@
 use crate::enclosure::{Bounds, Range, calm_parts};
 use crate::model::{Explicit, Model, SparsityPattern, friction_coefficients};
 use crate::simulation::InitialValueProblem;
+use crate::yardstick;
 
 /// Share of the horizon that is a moment: no step is asked for that is much shorter.
 const MOMENT: f64 = 1e-4;
@@ -20,10 +21,6 @@ const MOST_PARTS: usize = 256;
 const WAVE: f64 = 1.0;
 /// Places in a part of a step in which nothing is hidden.
 const PLACES: [f64; 4] = [0.21, 0.55, 0.83, 1.0];
-/// Share of the range of a function that the cubic may miss.
-const MISSED: f64 = 1e-3;
-/// Share of the largest value of a function that is rounding.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Longest step relative to the last one, and in moments where that was short: looking far ahead of a motion that is stopped by
 /// events is in vain.
 const GROWTH: f64 = 4.0;
@@ -212,8 +209,8 @@ impl<'a> ExplicitTime<'a> {
                 let terms = weights.iter().zip(&through);
                 let told: f64 = terms.map(|(weight, row)| weight * row[j]).sum();
                 let (least, largest) = self.ranges[j];
-                let allowed =
-                    (MISSED * (largest - least)).max(ROUNDING * largest.abs().max(least.abs()));
+                let allowed = (yardstick::VISIBLE * (largest - least))
+                    .max(yardstick::DIGITS * largest.abs().max(least.abs()));
                 let missed = (value - told).abs();
                 missed <= allowed || !missed.is_finite()
             })

@@ -4,6 +4,7 @@
 //! their bounds tell, accelerations at places of each such part are compared with the polynomial through those of a few nodes of the step.
 //! What holds a contact may vanish without any acceleration: so are forces, and what friction lacks to its bound.
 
+use crate::yardstick;
 use std::f64::consts::PI;
 
 /// Nodes of the polynomial: one of degree 7, as accurate as the steps of either method.
@@ -14,9 +15,6 @@ const PLACES: [(f64, f64); 3] = [
     (0.5, 8.0 / 18.0),
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
-/// Share of a force that the polynomial may miss: as much as one that is interpolated.
-const MISSED: f64 = 1e-6;
-
 /// Whether something acts in a step of this `length` that its nodes do not show: whether it changes a velocity by more than `most`, or a force
 /// may vanish. In each of the `parts` nothing is hidden; `at` evaluates `n` accelerations at a place, from 0 to 1, and behind them as many
 /// `forces` that are positive as long as the mode lasts.
@@ -60,7 +58,7 @@ pub(super) fn acts(
                 continue;
             }
             let largest = of(k).fold(0.0_f64, |most, value| most.max(value.abs()));
-            if *found <= missed && missed > MISSED * largest {
+            if *found <= missed && missed > yardstick::PROMISE * largest {
                 return true;
             }
         }

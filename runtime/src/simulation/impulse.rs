@@ -16,15 +16,10 @@ use super::{ContactMode, Event, EventKind, Simulation, Trajectory};
 use crate::fesd::contacts::{Contacts, Line};
 use crate::linalg::least_norm::LeastNorm;
 use crate::model::{Model, friction_share};
+use crate::yardstick;
 
 /// Sliding velocity after an impact, as a share of the velocities of its contact before, that counts as none.
 const STICKS: f64 = 1e-8;
-/// Share of the jump of a sliding velocity that the law of friction may miss: where several impacts are one event, each
-/// had its own.
-const MISSED: f64 = 1e-6;
-/// Share of the largest normal impulse below which a contact carries no friction.
-const UNLOADED: f64 = 1e-9;
-
 /// Records the impulses of all impacts of a run, at their events and along its trajectory.
 pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
     if result.counts.events > result.events.len() {
@@ -245,7 +240,7 @@ impl Jump<'_, '_> {
                 -contacts.kinetic(contact) * (before / now) * after.signum()
             };
             lines.push((Line::Normal { contact, slope }, 1.0));
-            if sticks && load > UNLOADED {
+            if sticks && load > yardstick::NOTHING {
                 let sense = 1.0;
                 lines.push((Line::Tangent { contact, sense }, load.sqrt()));
                 if contacts.is_in_space(contact) {
@@ -326,7 +321,7 @@ impl Jump<'_, '_> {
                     let velocity = impulse / self.contacts.force(line.contact(), 1.0);
                     self.contacts.coupling(row, line) * velocity
                 });
-                (made.sum::<f64>() - jump).abs() <= MISSED * size
+                (made.sum::<f64>() - jump).abs() <= yardstick::PROMISE * size
             })
         })
     }

@@ -13,13 +13,12 @@ use crate::joints::{JointError, Joints};
 use crate::model::{Function, JointsDeclaration, Model, Pieces, contact_point, joint_rows};
 use crate::refusal;
 use crate::run::resets;
+use crate::yardstick;
 
 /// Newton steps of the start.
 const STEPS: usize = 100;
 /// Shortest share of a Newton step.
 const SHORTEST: f64 = 1e-4;
-/// Rows up to this share of their terms hold; what a start is moved by less is rounding.
-const ROUNDING: f64 = 1e-9;
 /// Share of the size of the coordinates by which a place is nearby.
 const NEARBY: f64 = 1e-2;
 
@@ -144,14 +143,15 @@ fn check_surfaces(model: &dyn Model, problem: &InitialValueProblem) -> Result<()
     for (i, contact) in model.declaration().contacts.iter().enumerate() {
         model.contact(i, &x, &mut point);
         // Nothing acts on a surface that is open, nor on a piece in whose place another one acts.
-        if contact.dry || pieces.is_idle(i) || point[contact_point::GAP] > ROUNDING * size {
+        if contact.dry || pieces.is_idle(i) || point[contact_point::GAP] > yardstick::NOTHING * size
+        {
             continue;
         }
         let normal = &point[contact_point::NORMAL..][..n];
         // At most what each coordinate would give by itself, times their number.
         let alone = (0..n).map(|k| normal[k] * normal[k] / mass[k * n + k]);
         let most: f64 = alone.sum();
-        if point[contact_point::INVERSE_INERTIA] > BLOCKED * most {
+        if point[contact_point::INVERSE_INERTIA] > yardstick::ROUNDING * most {
             continue;
         }
         return Err(InputError::new(format!(
@@ -162,9 +162,6 @@ fn check_surfaces(model: &dyn Model, problem: &InitialValueProblem) -> Result<()
     }
     Ok(())
 }
-
-/// Share of the inverse inertia of a surface without joints below which they hold its gap.
-const BLOCKED: f64 = 1e-12;
 
 /// What to do where a method does not hold joints.
 pub(crate) const LOCATED: &str =
@@ -216,7 +213,7 @@ impl<'m> Start<'m> {
                 share /= 2.0;
                 if share < SHORTEST {
                     // Rounding is all that is left, or nothing gets there.
-                    if largest <= ROUNDING {
+                    if largest <= yardstick::NOTHING {
                         break self.x.clone();
                     }
                     return Err(self.open());
@@ -229,14 +226,14 @@ impl<'m> Start<'m> {
             }
         }
         let mut joints = self.held()?;
-        if self.farthest(&joints, true).1 > ROUNDING {
+        if self.farthest(&joints, true).1 > yardstick::NOTHING {
             return Err(self.open());
         }
         let mut x = self.x.clone();
         joints.project_velocities(&mut x).map_err(|_| self.open())?;
         self.x = x;
         joints.evaluate(&self.x);
-        if self.farthest(&joints, false).1 > ROUNDING {
+        if self.farthest(&joints, false).1 > yardstick::NOTHING {
             return Err(self.open_velocities(&joints));
         }
         Ok(joints.held().to_vec())
@@ -442,7 +439,7 @@ fn moved(model: &dyn Model, from: &[f64], to: &[f64]) -> Option<String> {
     let mut words = Vec::new();
     for (i, (from, to)) in from.iter().zip(to).enumerate() {
         let velocity = i >= n;
-        if (to - from).abs() <= ROUNDING * sizes[usize::from(velocity)] {
+        if (to - from).abs() <= yardstick::NOTHING * sizes[usize::from(velocity)] {
             continue;
         }
         let coordinate = &coordinates[i % n];
@@ -486,7 +483,7 @@ fn off(model: &dyn Model, from: &[f64], to: &[f64]) -> String {
     for (row, (joint, own)) in declared.equations().enumerate() {
         for (positions, value) in [(true, values[row]), (false, values[rows + row])] {
             let size = |x: &[f64]| terms(model, x, positions)[row];
-            if value.abs() <= ROUNDING * size(&from).max(size(&to)) {
+            if value.abs() <= yardstick::NOTHING * size(&from).max(size(&to)) {
                 continue;
             }
             let (what, unit) = match positions {
@@ -525,7 +522,7 @@ fn drift(
         let free = (0..rows).filter(|&row| !model.joint_row_held(row));
         let far = |row: &usize| {
             let size = terms(model, &x, true)[*row];
-            values[*row].abs() > LEAVES * size
+            values[*row].abs() > yardstick::PROMISE * size
         };
         if left.is_none()
             && let Some(row) = free.clone().find(far)
@@ -575,9 +572,6 @@ fn pass_singular(model: &dyn Model, declared: &JointsDeclaration, run: &mut Simu
         ),
     });
 }
-
-/// Share of its terms by which a row that is not held may be off.
-const LEAVES: f64 = 1e-6;
 
 /// The input vector at an instant of a trajectory.
 fn input(model: &dyn Model, run: &Simulation, k: usize, x: &mut [f64]) {

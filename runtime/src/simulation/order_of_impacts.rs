@@ -9,18 +9,11 @@ use crate::contact::cluster::{self, Bodies, NearContact};
 use crate::contact::{View, impact, sum_of_sizes};
 use crate::fesd::contacts::Contacts;
 use crate::model::{ImpactLaw, Model};
+use crate::yardstick;
 
-/// Share of the range of a gap below which it is not told from touching: the error that runs promise.
-const TOUCHES: f64 = 1e-6;
-/// Share of the fastest approach so far by which the velocities after the two differ: what a curve in a figure shows.
-const DIFFERS: f64 = 1e-3;
-
-/// Share of the range of a gap, or of the largest coordinate, up to which it is looked at closer. Chosen: far above [`TOUCHES`], so that what is
+/// Share of the range of a gap, or of the largest coordinate, up to which it is looked at closer. Chosen: far above [`yardstick::PROMISE`], so that what is
 /// left out could be nearly touching only by the rounding of terms 1e9 times as large as the gap.
 const LOOKED_AT: f64 = 1e-3;
-
-/// Share of the terms of a normal velocity that is rounding error.
-const ROUNDING: f64 = 1e-12;
 
 /// Notes the first impact of a run whose order decides, of contacts for which the scene does not say which.
 pub(super) fn note(model: &dyn Model, result: &mut Simulation) {
@@ -85,7 +78,7 @@ fn ranges(scene: &mut Scene<'_>, result: &Simulation) -> Vec<f64> {
             let rounding = scene.contacts.size(i, time).touching_gap();
             ranges[i] = ranges[i]
                 .max(scene.contacts.gap(i).abs())
-                .max(rounding / TOUCHES);
+                .max(rounding / yardstick::PROMISE);
         }
     }
     ranges
@@ -111,7 +104,7 @@ fn near(
         let gap = scene.contacts.gap(contact);
         let acts = !scene.contacts.pieces.is_idle(contact);
         let touches = closed(contact);
-        let near = touches || gap <= TOUCHES * ranges[contact];
+        let near = touches || gap <= yardstick::PROMISE * ranges[contact];
         let terms = sum_of_sizes(scene.contacts.normal(contact), &scene.v);
         let restitution = scene.restitution[contact];
         let slowest = if restitution > 0.0 {
@@ -121,7 +114,12 @@ fn near(
         };
         let known = NearContact {
             sequence: true,
-            ..NearContact::new(&scene.contacts, contact, touches, (0.0, ROUNDING * terms))
+            ..NearContact::new(
+                &scene.contacts,
+                contact,
+                touches,
+                (0.0, yardstick::ROUNDING * terms),
+            )
         };
         (acts && near).then_some(known.bouncing(restitution, slowest))
     });
@@ -147,7 +145,10 @@ fn decided_by_order(
         },
     };
     let apart = cluster::order_matters(&mut struck_together, near).ok()?;
-    if apart.iter().all(|apart| *apart <= DIFFERS * fastest) {
+    if apart
+        .iter()
+        .all(|apart| *apart <= yardstick::VISIBLE * fastest)
+    {
         return None;
     }
     let others = near.iter().map(|near| near.contact);

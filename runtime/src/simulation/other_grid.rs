@@ -13,9 +13,8 @@ use super::watch::Watch;
 use super::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus};
 use super::{along, poles};
 use crate::model::Model;
+use crate::yardstick;
 
-/// Estimated error above which a run says so: what a curve in a figure shows.
-pub(super) const SUSPECT: f64 = 1e-3;
 /// Estimated error above which a run that locates nothing is none: the largest values themselves, of which it then says nothing.
 const WORTHLESS: f64 = 1.0;
 /// Steps of a run that is compared with another one, besides half of them: what steps of one length do not see of an
@@ -136,7 +135,7 @@ fn say(run: &mut Simulation, (error, by, until): (f64, &'static str, f64), judge
                 judge.remedy
             ),
         });
-    } else if error > SUSPECT {
+    } else if error > yardstick::VISIBLE {
         run.notes.push(format!(
             "the error is estimated at {error:.0e} of the largest values, by {by}; {}",
             judge.remedy
@@ -162,7 +161,7 @@ fn error(
     let mut until = f64::INFINITY;
     for (other, words) in others {
         run.error_estimate = None;
-        let compared = Comparison::of(other, run, scene, SUSPECT);
+        let compared = Comparison::of(other, run, scene, yardstick::VISIBLE);
         take(compared.error, words);
         until = until.min(compared.until());
         if !judge.locates {

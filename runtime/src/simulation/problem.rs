@@ -8,11 +8,9 @@ use crate::model::{
     friction_share,
 };
 use crate::refusal;
+use crate::yardstick;
 
-/// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface"; so do those above minus [`ROUNDINGS`]
-/// rounding errors, of terms that cancel inside of the model.
-const GAP_TOLERANCE: f64 = 1e-9;
-/// So do those above minus this share of what the free motion covers within the horizon: a body at 0 in front of a bump that
+/// Gaps above minus this share of what the free motion covers within the horizon count as "on the surface": a body at 0 in front of a bump that
 /// fades like `exp(-w^2)` is inside of it by what no motion could tell from nothing.
 const MOTION_TOLERANCE: f64 = 1e-13;
 /// Share of the horizon that is short beside any motion.
@@ -288,7 +286,9 @@ impl InitialValueProblem {
         let terms = normal.iter().zip(&self.q).map(|(n, q)| (n * q).abs());
         let way = MOTION_TOLERANCE * self.way(model, x, normal);
         let rounding = ROUNDINGS * self.gap_rounding(model, contact, x);
-        (GAP_TOLERANCE * terms.sum::<f64>()).max(way).max(rounding)
+        (yardstick::NOTHING * terms.sum::<f64>())
+            .max(way)
+            .max(rounding)
     }
 
     /// Checks gaps and coefficients at the start `x`.
@@ -495,12 +495,12 @@ pub(in crate::simulation) fn touches_at_start(
 }
 
 /// What is wrong where the inertia has fallen to nothing: the first coordinate whose pivot in the mass matrix is below the share
-/// [`VANISHES`] of what it was at the start `begin`; `x` is the input here.
+/// [`yardstick::PROMISE`] of what it was at the start `begin`; `x` is the input here.
 pub(crate) fn vanishing_inertia(model: &dyn Model, begin: &[f64], x: &[f64]) -> Option<String> {
     let coordinates = model.declaration().coordinates;
     let (then, now) = (pivots(model, begin), pivots(model, x));
     let pairs = coordinates.iter().zip(then.iter().zip(&now));
-    let fallen = |(then, now): (&f64, &f64)| *now < VANISHES * then;
+    let fallen = |(then, now): (&f64, &f64)| *now < yardstick::PROMISE * then;
     pairs
         .filter(|(_, pivots)| fallen(*pivots))
         .map(|(coordinate, (then, now))| {
@@ -513,9 +513,6 @@ pub(crate) fn vanishing_inertia(model: &dyn Model, begin: &[f64], x: &[f64]) -> 
         })
         .next()
 }
-
-/// Share of the inertia at the start that is none.
-const VANISHES: f64 = 1e-6;
 
 /// Pivots of the mass matrix without exchange of rows, each the inertia of its coordinate where those before it move freely.
 fn pivots(model: &dyn Model, x: &[f64]) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! What a simulation returns.
 
+use crate::yardstick;
 use std::fmt;
 use std::ops::Index;
 
@@ -494,8 +495,6 @@ impl fmt::Display for Event {
     }
 }
 
-/// Share of the largest value of a component that counts as rounding where results are printed.
-const ROUNDING: f64 = 1e-12;
 /// Events that are listed of a run with more of them.
 const LISTED: usize = 20;
 
@@ -514,7 +513,7 @@ impl fmt::Display for Simulation {
         {
             write!(f, "\n... and {more} events more")?;
         }
-        if let Some(last) = self.last_for_people(ROUNDING) {
+        if let Some(last) = self.last_for_people(yardstick::ROUNDING) {
             write!(f, "\n{last}")?;
         }
         for note in &self.notes {

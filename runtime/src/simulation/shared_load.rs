@@ -17,11 +17,7 @@ use crate::fesd::contacts::{Contacts, Line};
 use crate::linalg::dense;
 use crate::linalg::least_norm::LeastNorm;
 use crate::model::{Model, friction_share, pair_size};
-
-/// Share of the largest coordinate, and of the largest velocity, below which a contact touches and rests.
-const TOUCHES: f64 = 1e-9;
-/// Forces below this share of the largest count as zero where they would pull.
-const ZERO: f64 = 1e-9;
+use crate::yardstick;
 
 /// Takes the smallest forces where several give the same motion, and says so.
 pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
@@ -133,7 +129,7 @@ fn in_space(
     for &contact in touching {
         let sliding = contacts.sliding(contact);
         let mut slope = 0.0;
-        if contacts.has_friction(contact) && pair_size(sliding) > TOUCHES * speed {
+        if contacts.has_friction(contact) && pair_size(sliding) > yardstick::NOTHING * speed {
             contacts.align(contact, Some(sliding));
             slope = -contacts.kinetic(contact) * contacts.side(contact).signum();
         } else if contacts.has_friction(contact) {
@@ -207,14 +203,14 @@ fn touching(
     let declared = model.declaration().contacts;
     let near = |&i: &usize| {
         declared[i].alternatives.is_empty()
-            && contacts.pieces.gap(model, i, &x).abs() <= TOUCHES * place
+            && contacts.pieces.gap(model, i, &x).abs() <= yardstick::NOTHING * place
     };
     let mut near: Vec<usize> = (0..contacts.surfaces).filter(near).collect();
     if near.len() < 2 {
         return near;
     }
     contacts.evaluate_contacts(&x, near.iter().copied());
-    near.retain(|&i| contacts.normal_velocity(i).abs() <= TOUCHES * speed);
+    near.retain(|&i| contacts.normal_velocity(i).abs() <= yardstick::NOTHING * speed);
     near
 }
 
@@ -274,6 +270,8 @@ fn smallest(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Opti
     let largest = found
         .iter()
         .fold(0.0_f64, |most, force| most.max(force.abs()));
-    let pushes = found.iter().all(|force| *force >= -ZERO * largest);
+    let pushes = found
+        .iter()
+        .all(|force| *force >= -yardstick::NOTHING * largest);
     pushes.then(|| found.into_iter().map(|force| force.max(0.0)).collect())
 }

@@ -7,9 +7,7 @@
 use super::problem::touches_at_start;
 use super::{EventKind, InitialValueProblem, Simulation, number, per_second};
 use crate::model::{Model, contact_point};
-
-/// Share of the terms of a normal velocity that is rounding.
-const ROUNDING: f64 = 1e-12;
+use crate::yardstick;
 
 /// What has to be said of the contacts that a `run` strikes at its start. A method that locates impacts has listed them; of another one the
 /// contacts that touch with a velocity into their surfaces are struck in its first step.
@@ -37,7 +35,7 @@ pub(super) fn notes(
         }
         let (velocity, terms) = velocity(*contact);
         !contacts[*contact].dry
-            && velocity < -ROUNDING * terms
+            && velocity < -yardstick::ROUNDING * terms
             && touches_at_start(model, problem, *contact, &x)
     };
     let when = if locates {

@@ -11,15 +11,13 @@
 //! joints have many more coordinates than they can move in, so that the matrix of all stages, and derivatives at each, are what most
 //! of their time would go to. Steps contract by what the derivatives change over the element; the solution is the same.
 
+use crate::yardstick;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::rk::ButcherTableau;
 
 /// Distance of the shift of inverse iteration from an eigenvalue, as a share of it.
 const SHIFT: f64 = 1e-10;
-/// Imaginary part, as a share, up to which an eigenvalue is real.
-const REAL: f64 = 1e-12;
-
 /// One eigenvalue with what belongs to it.
 struct Part {
     eigenvalue: Complex<f64>,
@@ -63,7 +61,7 @@ impl Decoupled {
             .iter()
             .enumerate()
             .filter_map(|(k, &eigenvalue)| {
-                let real = eigenvalue.im.abs() <= REAL * eigenvalue.norm();
+                let real = eigenvalue.im.abs() <= yardstick::ROUNDING * eigenvalue.norm();
                 (real || eigenvalue.im > 0.0).then(|| Part {
                     eigenvalue,
                     column: vectors.column(k).iter().copied().collect(),

@@ -1,7 +1,6 @@
 //! How large a motion has been, which errors are measured by.
 
-/// Rounding error that a state collects, relative to the largest coordinate.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+use crate::yardstick;
 
 /// Largest values of a motion so far. Distances are measured from its start, so that a translation of the
 /// scene changes nothing.
@@ -49,7 +48,7 @@ impl MotionSize {
         for (k, start) in self.start.iter().enumerate().take(self.mechanical) {
             self.distance = self.distance.max((q[k] - start).abs());
             self.speed = self.speed.max(v[k].abs());
-            self.rounding = self.rounding.max(ROUNDING * q[k].abs());
+            self.rounding = self.rounding.max(yardstick::DIGITS * q[k].abs());
         }
     }
 }

@@ -7,21 +7,17 @@ use crate::linalg::banded::Unfactorized;
 use crate::linalg::dense;
 use crate::model::ControlPiece;
 use crate::rk::ButcherTableau;
+use crate::yardstick;
 
 /// Relative change of the state that ends Newton's method.
 const CONVERGED: f64 = 2e-16;
 /// Residual beyond which that before a last step says nothing of what is left after it: of forces that act on nothing, as of the bound of a
 /// condition that sets something, which no change of the state shows.
 const BEFORE_THE_STEP: f64 = 1e-6;
-/// Relative change below which an iteration that no longer contracts has reached rounding error.
-const ROUNDING: f64 = 1e-12;
 /// Rounding error of the gaps, as a relative change, above which it hides the convergence.
-const HIDDEN: f64 = 10.0 * ROUNDING;
+const HIDDEN: f64 = 10.0 * yardstick::ROUNDING;
 /// Contraction below which an iteration in numerical time goes on.
 const CONTRACTS: f64 = 0.1;
-/// Relative change of the contact forces above which an iteration goes on: where contacts hold all coordinates, the stage
-/// states are known before the forces are.
-const FORCES: f64 = 1e-9;
 /// Contraction above which the Jacobian is evaluated anew.
 const SLOW: f64 = 0.05;
 /// That contraction of stages that share one Jacobian, and the iterations after which these count as not converged.
@@ -244,10 +240,10 @@ fn iterate(element: &mut FiniteElement<'_>, apart: bool) -> Result<(), ElementEr
         let contraction = change / last_change;
         let states = change <= CONVERGED
             || (iteration > 0 && contraction < 1.0 && change * contraction <= 0.1 * CONVERGED)
-            || (change <= ROUNDING && contraction >= 0.3)
+            || (change <= yardstick::ROUNDING && contraction >= 0.3)
             || (change <= rounding_of_gaps(element) && !still_contracts(element, contraction));
         let forces = relative_change_of_forces(element);
-        if states && (forces <= FORCES || forces >= 0.3 * last_forces) {
+        if states && (forces <= yardstick::NOTHING || forces >= 0.3 * last_forces) {
             if element.residual_norm > BEFORE_THE_STEP {
                 // What is reported is what is left, and not what the last step has taken away.
                 return evaluate_residual(element);

@@ -15,13 +15,11 @@ use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
 use crate::program::kernel::Kernel;
 use crate::simulation::{ContactMode, per_second};
+use crate::yardstick;
 
 /// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
 /// that grazes a surface is none that can be followed.
 const LEAST_IMPACT: f64 = 1e-3;
-
-/// Share of its terms up to which the function of a condition vanishes in a guess, which meets its equations to 1e-8 or so.
-const UNDECIDED: f64 = 1e-6;
 
 /// The switches of one instant: the first one and those that accompany it.
 pub(super) struct Instant<'s> {
@@ -107,7 +105,7 @@ fn is_false(model: &dyn Model, contact: usize, x: &[f64]) -> bool {
     let mut point = vec![0.0; tangent_point::length(n)];
     model.tangent(contact, x, &mut point);
     let against = point[tangent_point::SLIDING_VELOCITY];
-    against > UNDECIDED * switching_terms(model, contact, x)
+    against > yardstick::PROMISE * switching_terms(model, contact, x)
 }
 
 /// The guess of a state and of the inputs behind it.

@@ -12,6 +12,7 @@ use crate::ocp::problem::has_free_start;
 use crate::ocp::program::frame::Provided;
 use crate::program::kernel::Kernel;
 use crate::simulation::ContactMode;
+use crate::yardstick;
 
 /// Contacts that are pulled into slip from the start of the motion.
 pub(in crate::ocp) fn pulled(builder: &Builder) -> Vec<usize> {
@@ -116,9 +117,6 @@ fn is_level(builder: &Builder, contact: usize, free: &[usize]) -> bool {
     velocities.all(|&k| normal[k - n].abs() <= LEVEL * largest)
 }
 
-/// Share of its terms up to which the derivative of a gap by a parameter is rounding.
-const NO_CHANGE: f64 = 1e-9;
-
 /// Whether a contact that is closed at the start stays so (row 0: its gap; row 1: its normal velocity) whatever the parameters are that
 /// decide the start: the condition that it does would say again what the start says.
 fn follows_from_parameters(builder: &Builder, contact: usize, row: u32) -> bool {
@@ -163,7 +161,7 @@ fn follows_from_parameters(builder: &Builder, contact: usize, row: u32) -> bool 
                 }
             }
         }
-        total.abs() <= NO_CHANGE * size
+        total.abs() <= yardstick::NOTHING * size
     })
 }
 

@@ -1,5 +1,6 @@
 //! The judge: an event-driven simulation of a plan under its controls.
 
+use crate::yardstick;
 use hangtime_solver::mpcc::Stationarity;
 
 use super::at_bounds::at_bounds;
@@ -33,12 +34,8 @@ use crate::simulation::{
 /// Most points of a re-simulation in each interval, where fewer do not tell its objective. With the order six of that, eight times as many
 /// err by a quarter of a million times less.
 const MOST_OUTPUTS: usize = 8 * OUTPUTS;
-/// Distance of plan and re-simulation within which they may be the same motion \[m or rad, in scenes of the order of these\].
-const SAME_MOTION: f64 = 1e-3;
 /// By how much less a refined plan has to miss its re-simulation: the order of the scheme promises 32 times where elements are halved.
 const SLOW: f64 = 8.0;
-/// Relative excess of the objective over that of a known motion beyond which a plan is not refined: a refined one seldom makes up for it.
-const WORSE: f64 = 1e-3;
 /// Relative excess of the objective up to which a plan with another discretization is one of the same motion: that was coarse.
 const MUCH_WORSE: f64 = 0.1;
 /// Shares of the distances that the method keeps by itself with which a plan is solved again that they hold back.
@@ -58,7 +55,8 @@ pub(in crate::ocp) fn judge<'a>(
 ) -> Result<Solution, InputError> {
     let cuts = local.cuts.clone();
     let (mut plan, mut solution) = Plan::judged(runner, setting, coarse, (local, stationarity))?;
-    if solution.objective - known > (WORSE * known.abs()).max(solution.tolerated(0.0)) {
+    if solution.objective - known > (yardstick::VISIBLE * known.abs()).max(solution.tolerated(0.0))
+    {
         return Ok(solution);
     }
     let mut elements = coarse.to_vec();
@@ -270,7 +268,7 @@ impl Plan {
     /// The plan with the contact sequence of its re-simulation, where that is another one of the same motion.
     fn as_simulated(&self, setting: Setting, solution: &Solution) -> Option<Self> {
         let motion = solution.motion.as_ref()?;
-        if solution.departure > SAME_MOTION {
+        if solution.departure > yardstick::VISIBLE {
             return None;
         }
         let read = read_replay(setting, motion, &self.trajectory);

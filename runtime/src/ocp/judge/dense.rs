@@ -8,9 +8,7 @@ use crate::model::{Function, Model};
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::model_input::drive;
 use crate::simulation::Simulation;
-
-/// Share of a motion below which two of its instants are one.
-const SAME_TIME: f64 = 1e-12;
+use crate::yardstick;
 
 /// Share of a motion up to which a step is too short to be looked into: velocities are differences there. Follows: rounding over that share
 /// is a millionth.
@@ -56,7 +54,7 @@ impl<'a> Dense<'a> {
     pub(super) fn steps(&self, one_in: usize) -> Vec<Step> {
         let times = &self.replay.trajectory.time;
         let ends = self.controls.times(self.horizon);
-        let same = |a: f64, b: f64| (a - b).abs() <= SAME_TIME * self.horizon;
+        let same = |a: f64, b: f64| (a - b).abs() <= yardstick::ROUNDING * self.horizon;
         let is_break = |time: f64| {
             ends.iter().any(|&end| same(end, time)) || self.events().any(|event| same(event, time))
         };

@@ -7,16 +7,10 @@ use crate::ocp::collocation::bounds::Bounds;
 use crate::ocp::collocation::dense_motion::DenseMotion;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::control_grid::Mesh;
+use crate::yardstick;
 
 /// Share of the difference that is none by which such polynomials may be off: the nodes of a plan are off as well. Chosen.
 const AIM: f64 = 0.25;
-
-/// Share of a motion within which an end of a phase of the plan and an event of the re-simulation are one instant. Follows: what is let pass
-/// of a metre, at speeds of a metre in the length of the motion.
-const SAME_INSTANT: f64 = 1e-6;
-
-/// Share of a motion that is rounding of a time. Follows: some thousand roundings.
-const ROUNDING: f64 = 1e-12;
 
 /// Most elements of a phase, as many as of equal ones, and the shortest that is halved, a share of the phase: of a layer of a ten
 /// thousandth. Chosen.
@@ -74,7 +68,7 @@ impl Follower<'_> {
 
     /// A phase of the plan from its start to its end, at the events of the re-simulation where these are near.
     fn at_events(&self, (from, to): (f64, f64)) -> (f64, f64) {
-        let let_pass = SAME_INSTANT * self.dense.horizon;
+        let let_pass = yardstick::PROMISE * self.dense.horizon;
         let near = |time: f64| {
             let near = move |event: &f64| (event - time).abs() <= let_pass;
             self.dense.events().filter(near)
@@ -85,7 +79,7 @@ impl Follower<'_> {
 
     /// Whether the polynomials through the nodes of a share of a phase follow the re-simulation at those bounds.
     fn follows(&self, (start, end): (f64, f64), (from, to): (f64, f64)) -> bool {
-        let (steps, rounding) = (self.steps, ROUNDING * self.dense.horizon);
+        let (steps, rounding) = (self.steps, yardstick::ROUNDING * self.dense.horizon);
         let at = |theta: f64| {
             let time = start + (from + theta * (to - from)) * (end - start);
             // What begins at an instant, and what ends there.

@@ -1,5 +1,6 @@
 //! What the distances that the method keeps cost a plan.
 
+use crate::yardstick;
 use hangtime_solver::nlp;
 
 use crate::model::{Function, contact_point};
@@ -7,12 +8,6 @@ use crate::ocp::collocation::layout::{Kept, Phase};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::motion::targets::goals_hold;
 use crate::ocp::solution::Margin;
-
-/// Share of the objective below which the cost of a margin that the caller chooses is none: multipliers are known to the
-/// tolerance of the solver.
-const CHOSEN: f64 = 1e-9;
-/// Share of the objective below which the cost of a margin that nobody asked for is none: above it a plan is not the optimum.
-const OWN: f64 = 1e-6;
 
 /// The distances that cost something, to first order, the dearest first.
 pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Margin> {
@@ -45,7 +40,11 @@ pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Ma
         }
     });
     let counts = |margin: &Margin| {
-        let share = if margin.chosen { CHOSEN } else { OWN };
+        let share = if margin.chosen {
+            yardstick::NOTHING
+        } else {
+            yardstick::PROMISE
+        };
         margin.cost > share * size
     };
     let mut margins: Vec<Margin> = costs.filter(counts).collect();

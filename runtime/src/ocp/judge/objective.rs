@@ -9,10 +9,7 @@ use super::dense::Dense;
 use crate::model::{Function, Model};
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::simulation::Simulation;
-
-/// Difference of the objectives of plan and re-simulation, relative to the integral of the absolute running cost and the absolute final
-/// cost, up to which they are the same: what is let pass of a metre.
-const SAME: f64 = 1e-6;
+use crate::yardstick;
 
 /// Share of that by which the error of the sum may be off.
 const TELLS: f64 = 0.1;
@@ -73,7 +70,7 @@ pub(super) fn replayed(
         size += values[0].abs();
     }
     let difference = (cost - planned).abs() - error;
-    let same = SAME * size.max(SAME * unit);
+    let same = yardstick::PROMISE * size.max(yardstick::PROMISE * unit);
     let departure = if difference > 0.0 {
         difference / same
     } else {

@@ -4,9 +4,7 @@ use super::model_input::drive;
 use super::sequence::Switch;
 use crate::model::{Model, Switching, tangent_point};
 use crate::simulation::{ContactMode, Direction};
-
-/// Sliding velocities below this share of the largest velocity are zero: a simulation projects them to rounding error.
-const AT_REST: f64 = 1e-9;
+use crate::yardstick;
 
 /// The mode of a closed contact without friction, or of one that slides at `velocity`.
 pub(in crate::ocp) fn closed_mode(frictional: bool, velocity: f64, zero: f64) -> ContactMode {
@@ -62,5 +60,5 @@ pub(in crate::ocp) fn sliding_velocity(
 
 /// Sliding velocities of a state `(q, v)` below this are zero, where velocities of the motion are of the order of `usual`.
 pub(in crate::ocp) fn zero_velocity(v: &[f64], usual: f64) -> f64 {
-    AT_REST * v.iter().fold(usual, |largest: f64, v| largest.max(v.abs()))
+    yardstick::NOTHING * v.iter().fold(usual, |largest: f64, v| largest.max(v.abs()))
 }

@@ -1,6 +1,7 @@
 //! Input vectors of the model, and the accelerations that follow from them.
 
 use crate::model::{Model, contact_point, tangent_point};
+use crate::yardstick;
 
 /// What the model reads besides the state: the controls, and the time where it depends on that.
 pub(in crate::ocp) fn drive(model: &dyn Model, controls: &[f64], time: f64) -> Vec<f64> {
@@ -47,9 +48,6 @@ pub(in crate::ocp) fn acceleration(
     acceleration
 }
 
-/// Share of its terms below which a normal acceleration is none, but rounding error.
-const ROUNDING: f64 = 1e-12;
-
 /// Normal acceleration of a contact without its force, `n'a + curvature`, at an input vector; 0 where its terms cancel up to
 /// rounding error, as of a wall beside a body that falls: programs are measured in it.
 pub(in crate::ocp) fn free_normal_acceleration(
@@ -68,7 +66,7 @@ pub(in crate::ocp) fn free_normal_acceleration(
     let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term| {
         (sum + term, size + f64::abs(term))
     });
-    if f64::abs(sum) > ROUNDING * size {
+    if f64::abs(sum) > yardstick::ROUNDING * size {
         sum
     } else {
         0.0

@@ -5,11 +5,8 @@ use super::sequence::{Place, Sequence, Switch};
 use super::trajectory::Trajectory;
 use crate::model::{Model, Pieces, edge};
 use crate::simulation::ContactMode;
+use crate::yardstick;
 
-/// By how much a gap has to exceed that of the piece that acts to be the larger one, in its unit.
-const LARGER: f64 = 1e-9;
-/// A contact that opens this near to another piece of its edge, in the unit of the gap, ends there.
-const AT_THE_EDGE: f64 = 1e-6;
 /// A passage within this share of an interval from its end is put there: at a node of the grid both pieces are kept, which a
 /// motion that is not close to the edge does anyway, and a phase of no length is none.
 const NEAR_NODE: f64 = 0.1;
@@ -134,7 +131,7 @@ impl Reader<'_> {
         let next = self.instants.iter().find(|i| i.time > opening.time)?;
         let acting = self.largest(opening.contact, next)?;
         let here = self.instants.iter().rfind(|i| i.time <= opening.time)?;
-        let exact = !self.exact || self.gap(acting, here) > -AT_THE_EDGE;
+        let exact = !self.exact || self.gap(acting, here) > -yardstick::PROMISE;
         (others.contains(&acting) && exact).then_some(acting)
     }
 
@@ -188,7 +185,7 @@ impl Reader<'_> {
     /// The piece of the edge of a contact that is the largest; that one if others are as large.
     fn largest(&self, contact: usize, instant: &Instant) -> Option<usize> {
         let others = self.model.declaration().contacts[contact].alternatives;
-        let mut largest = (contact, self.gap(contact, instant) + LARGER);
+        let mut largest = (contact, self.gap(contact, instant) + yardstick::NOTHING);
         for &other in others {
             let gap = self.gap(other, instant);
             if gap > largest.1 {

@@ -2,13 +2,7 @@
 
 use crate::model::{Function, Model, OptimalControlDeclaration};
 use crate::ocp::problem::{Horizon, Problem, bounds};
-
-/// Singular values below this are zero in the search for a state that fulfils the goals.
-const SINGULAR: f64 = 1e-12;
-
-/// Change of a coordinate that rounding may cause, relative to the larger of itself and the longest way that goals ask for, which counts
-/// as 1 where it is longer.
-const MOVED: f64 = 1e-9;
+use crate::yardstick;
 
 /// Steps of [`approach`].
 const STEPS: usize = 20;
@@ -51,7 +45,8 @@ pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Optio
         let ways = z.iter().zip(&problem.q).map(|(z, q)| (z - q).abs());
         let longest = ways.fold(0.0, f64::max).min(1.0);
         for k in 0..n {
-            let moved = (z[k] - problem.q[k]).abs() > MOVED * problem.q[k].abs().max(longest);
+            let moved =
+                (z[k] - problem.q[k]).abs() > yardstick::NOTHING * problem.q[k].abs().max(longest);
             if moved && z[k].is_finite() && lower[k] <= upper[k] {
                 targets[k] = Some(z[k].clamp(lower[k], upper[k]));
             }
@@ -106,9 +101,13 @@ pub(in crate::ocp) fn goals_hold(model: &dyn Model, z: &[f64], gradient: &[f64])
     if !finite || declared.goals.is_empty() {
         return false;
     }
-    let combination = gradients.clone().svd(true, true).solve(&gradient, SINGULAR);
-    combination
-        .is_ok_and(|weights| (gradients * weights - &gradient).norm() <= MOVED * gradient.norm())
+    let combination = gradients
+        .clone()
+        .svd(true, true)
+        .solve(&gradient, yardstick::ROUNDING);
+    combination.is_ok_and(|weights| {
+        (gradients * weights - &gradient).norm() <= yardstick::NOTHING * gradient.norm()
+    })
 }
 
 /// Moves `z = (q, v, T)`, and what terminal functions read of contacts behind it, by shortest Newton steps towards fulfilling the terminal conditions.
@@ -136,7 +135,11 @@ fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f6
         if residual.amax() == 0.0 || !finite(residual.as_slice()) || !finite(jacobian.as_slice()) {
             return;
         }
-        let Ok(mut step) = jacobian.clone().svd(true, true).solve(&residual, SINGULAR) else {
+        let Ok(mut step) = jacobian
+            .clone()
+            .svd(true, true)
+            .solve(&residual, yardstick::ROUNDING)
+        else {
             return;
         };
         // The shortest step leaves alone what no goal reads; rounding of the decomposition does not, and would look like a way to go.
@@ -148,7 +151,7 @@ fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f6
         for (z, step) in z.iter_mut().zip(step.iter()) {
             *z -= step;
         }
-        if step.amax() <= SINGULAR {
+        if step.amax() <= yardstick::ROUNDING {
             return;
         }
     }

@@ -5,9 +5,7 @@ use super::model_input::drive;
 use crate::model::{Model, contact_point, held};
 use crate::ocp::problem::Problem;
 use crate::simulation::{ControlSignal, Simulation};
-
-/// Instants nearer to each other than this share of the horizon are one.
-const SAME_TIME: f64 = 1e-12;
+use crate::yardstick;
 
 /// States over time, piecewise linear, with controls on intervals.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +71,7 @@ impl Trajectory {
         let mut shorter = self.clone();
         let jumps = |k: &usize| {
             let passed = self.time[*k] - self.time[k - 1];
-            passed <= SAME_TIME * self.horizon && self.states[k - 1] != self.states[*k]
+            passed <= yardstick::ROUNDING * self.horizon && self.states[k - 1] != self.states[*k]
         };
         let late = |k: &usize| {
             self.time[*k] > 0.0 && self.horizon - self.time[*k] < self.horizon / intervals as f64

@@ -1,12 +1,13 @@
 //! Joints at a free start, which fulfils them by rows of its own: those that do not follow from each other and from what parameters
 //! decide.
 
-use crate::joints::partition::{Jacobian, NOTHING, eliminate};
+use crate::joints::partition::{Jacobian, eliminate};
 use crate::model::held::is_held;
 use crate::model::{Function, Given, Model};
 use crate::ocp::problem::Problem;
 use crate::program::joint_rows::{add, named};
 use crate::program::sparse_program::Program;
+use crate::yardstick;
 
 /// What joints say of a free start.
 pub(in crate::ocp) struct AtStart {
@@ -59,7 +60,7 @@ pub(in crate::ocp) fn at_start(
             let columns = (0..row.len()).filter(|&k| is_held(model, k) == held);
             columns.max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()))
         };
-        let says = |column: &usize| row[*column].abs() > NOTHING * size;
+        let says = |column: &usize| row[*column].abs() > yardstick::NOTHING * size;
         let column = largest(false).filter(says).or_else(|| {
             let parameter = largest(true).filter(says)?;
             found.decides_parameter = Some((output % jacobian.count, parameter));

@@ -15,9 +15,8 @@ use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::scale::Scale;
 use crate::program::powers::{MILLION, THOUSAND, nearest_power, objective_size};
+use crate::yardstick;
 
-/// Share of what forces at hand can do below which a normal acceleration at the start, or the size of a coordinate, is an error of the guess.
-const ERROR: f64 = 1e-6;
 /// One to the unit of a coordinate below which distances between motions are measured by it, and that unit to one above which they are.
 const FINE: f64 = 1e3;
 /// A control without bounds that is so many times its unit is measured anew: in the unit of the program its stationarity
@@ -99,7 +98,7 @@ impl Units {
         let largest = accelerations.iter().copied().fold(0.0, f64::max);
         // Next to nothing beside what forces can give is an error of the guess, where weight acts along a surface.
         let at_hand = at_hand(model, &x, &control_units);
-        let floor = if largest > ERROR * normal(model, &x, &at_hand) {
+        let floor = if largest > yardstick::PROMISE * normal(model, &x, &at_hand) {
             0.1 * largest
         } else {
             nearest_power(THOUSAND, normal(model, &x, &at_hand))
@@ -119,7 +118,7 @@ impl Units {
             let limits = limits.into_iter().filter(|limit| limit.is_finite());
             let size = values.chain(limits).fold(reach(acceleration), f64::max);
             // A coordinate that forces could move, and which stays where it is but for errors of the motion, has no size.
-            if size < ERROR * reach(pushed) {
+            if size < yardstick::PROMISE * reach(pushed) {
                 0.0
             } else {
                 size
@@ -182,7 +181,7 @@ impl Units {
     ) -> Self {
         for (i, size) in self.unbounded(motion.controls.values(), bounds) {
             let moved = self.moved_by(model, motion, i);
-            if moved == 0.0 || size * moved > ERROR {
+            if moved == 0.0 || size * moved > yardstick::PROMISE {
                 self.controls[i] = nearest_power(THOUSAND, size);
             }
         }

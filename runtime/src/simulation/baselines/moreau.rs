@@ -13,12 +13,11 @@ use crate::simulation::{
     ContactMode, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
     SimulationStatus, Simulator,
 };
+use crate::yardstick;
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
 /// rate at which forces change, so more than ten mean that the step is too long.
 const ITERATIONS: usize = 100;
-/// Share by which rounding may part a friction force from the edge of its cone.
-const ON_THE_CONE: f64 = 1e-9;
 /// Change of the velocity, relative to it, at which the iterations end.
 const CONVERGED: f64 = 1e-13;
 
@@ -323,7 +322,7 @@ impl<'a> TimeStepping<'a> {
                 ContactMode::Open
             } else if mu == 0.0 {
                 ContactMode::Frictionless
-            } else if tangential.abs() < (1.0 - ON_THE_CONE) * mu * normal {
+            } else if tangential.abs() < (1.0 - yardstick::NOTHING) * mu * normal {
                 ContactMode::Stick
             } else if self.dynamics.is_in_space(i) {
                 ContactMode::Slip(Direction::Forward)

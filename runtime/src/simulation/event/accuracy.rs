@@ -10,9 +10,8 @@ use crate::simulation::agreement::{Comparison, Spent};
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
+use crate::yardstick;
 
-/// Error that is promised, at least.
-const PROMISE: f64 = 1e-6;
 /// Error that is promised as a multiple of the tolerance.
 const TOLERANCES: f64 = 1e3;
 /// Tolerance of the run to compare with, relative to that of the run that is returned, and the largest.
@@ -39,7 +38,7 @@ pub(super) fn promised(
     (model, problem): (&dyn Model, &InitialValueProblem),
     watch: &mut Watch<'_>,
 ) -> Simulation {
-    let promise = PROMISE.max(TOLERANCES * settings.tolerance);
+    let promise = yardstick::PROMISE.max(TOLERANCES * settings.tolerance);
     let run = |tolerance: f64, longest: f64, shown: bool, watch: &mut Watch<'_>| {
         watch.restart(shown);
         let settings = EventDriven {

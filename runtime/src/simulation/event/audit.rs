@@ -5,10 +5,9 @@ use super::dynamics::{Dynamics, Switch, motion, switching};
 use crate::run::remarks::Remarks;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::verdict::Verdict;
+use crate::yardstick;
 
-/// A violation above this share of the size of a function, or this multiple of the tolerance, is no error of
-/// integration.
-const LARGEST_SHARE: f64 = 1e-9;
+/// Violation of a function, in tolerances, that is no error of integration.
 const TOLERANCES: f64 = 100.0;
 
 /// Where inside a step the signs of forces and gaps are measured.
@@ -24,7 +23,7 @@ pub(super) struct Checks<'a> {
 
 /// That of runs with this tolerance.
 pub(super) fn verdict(tolerance: f64) -> Verdict {
-    Verdict::within(LARGEST_SHARE.max(TOLERANCES * tolerance))
+    Verdict::within(yardstick::NOTHING.max(TOLERANCES * tolerance))
 }
 
 /// Looks at values of the switching functions at a place \[s, step\].

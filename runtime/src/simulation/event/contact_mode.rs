@@ -15,6 +15,7 @@ use crate::model::{Switching, contact_point, pair_size};
 use crate::run::Place;
 use crate::run::sides::{self, Failed, Known};
 use crate::simulation::sentences::{negative_bound, not_unique, second_order};
+use crate::yardstick;
 
 /// Shares of the step size after which undecided contacts are looked at, with the multiple of the force now
 /// that a force then must exceed: the earliest moment that shows more than rounding error belongs to the
@@ -31,9 +32,6 @@ const MOMENTS: [(f64, f64); 7] = [
 /// Largest number of modes that are compared by what follows a moment later; of more undecided contacts each is decided
 /// by itself.
 const MOST_MODES: usize = 64;
-
-/// Share of their size up to which couplings may differ that are symmetric.
-const SYMMETRIC: f64 = 1e-9;
 
 /// Accelerations below this share of those they balance are compared by what follows a moment later: event
 /// times carry rounding error, and the force its rate times that.
@@ -206,7 +204,7 @@ fn has_one_motion(dynamics: &Dynamics<'_>, contacts: &[usize]) -> bool {
     (0..order).all(|i| {
         (0..i).all(|j| {
             let size = (entry(i, i) * entry(j, j)).abs().sqrt();
-            (entry(i, j) - entry(j, i)).abs() <= SYMMETRIC * size
+            (entry(i, j) - entry(j, i)).abs() <= yardstick::NOTHING * size
         })
     })
 }

@@ -3,10 +3,7 @@
 
 use super::dynamics::{dot, largest};
 use crate::model::Declaration;
-
-/// Coordinates whose kinetic energy is below the square of this share of the whole one are measured by this share:
-/// an angle that only rounding error turns has no size of its own.
-const IDLE: f64 = 1e-3;
+use crate::yardstick;
 
 /// Share of the acceleration without contact forces that rounding leaves of it where these balance it. A body that
 /// rests while its forces change moves by no more than that, and no step makes it smooth.
@@ -115,7 +112,7 @@ impl ErrorScale {
         }
     }
 
-    /// Euclidean norm of the components of a group, at least [`IDLE`] of what the energy norm of all of them would be
+    /// Euclidean norm of the components of a group, at least [`yardstick::VISIBLE`] of what the energy norm of all of them would be
     /// in the heaviest of the group.
     fn size(&self, group: usize, mass: &[f64], vector: &[f64]) -> f64 {
         let n = vector.len();
@@ -142,7 +139,7 @@ impl ErrorScale {
         let rows = mass.chunks_exact(n.max(1)).zip(vector);
         let rows = rows.take(self.mechanical);
         let energy: f64 = rows.map(|(row, x)| x * dot(row, vector)).sum();
-        let others = IDLE * (energy / heaviest).max(0.0).sqrt();
+        let others = yardstick::VISIBLE * (energy / heaviest).max(0.0).sqrt();
         f64::max(square.sqrt(), others)
     }
 

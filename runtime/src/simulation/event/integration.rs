@@ -5,6 +5,7 @@ mod journal;
 mod outputs;
 mod step_size;
 
+use crate::yardstick;
 use hangtime_solver::clock::ThreadTime;
 
 use self::journal::Journal;
@@ -445,7 +446,7 @@ impl<'a> Integration<'a> {
         self.search.too_fast = explicit_time.is_some_and(ExplicitTime::is_too_fast);
         let (dynamics, method) = (&mut self.dynamics, &mut self.method);
         let search = self.search.suspect(dynamics, method, step);
-        let looks = self.settings.tolerance <= hidden::LOOSE && !self.search.is_calm(dynamics);
+        let looks = self.settings.tolerance <= yardstick::PROMISE && !self.search.is_calm(dynamics);
         if !search && !outputs_due && !looks {
             return Outcome::Nothing;
         }

@@ -8,7 +8,7 @@ use crate::enclosure::{
     Along, Bracket, Fall, Form, Interpolated, Sample, Suspect, Watched, earliest_fall, refine,
 };
 use crate::model::{Explicit, contact_point};
-use crate::simulation::along::LEAPS;
+use crate::yardstick;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 
@@ -229,7 +229,7 @@ impl<'a> EventSearch<'a> {
                     let last = step.end_values[function];
                     let largest = from.value.abs().max(last.abs());
                     let kept = match dynamics.switch(function) {
-                        Switch::Gap(_) if left.value > zero => LEAPS * largest,
+                        Switch::Gap(_) if left.value > zero => yardstick::VISIBLE * largest,
                         _ => largest,
                     };
                     return if self.root_value.abs() > kept.max(zero) {

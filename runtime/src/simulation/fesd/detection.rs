@@ -7,7 +7,7 @@
 
 use super::present::Present;
 use super::stop::Stop;
-use super::switch::{self, FORCE_TOLERANCE, Function, Switch, SwitchKind};
+use super::switch::{self, Function, Switch, SwitchKind};
 use crate::enclosure::{
     Along, Interpolated, Sample, Suspect, earliest_fall, positive_before, root,
 };
@@ -16,6 +16,7 @@ use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::{ElementError, FiniteElement, MotionSize};
 use crate::model::Model;
 use crate::rk::ButcherTableau;
+use crate::yardstick;
 use std::collections::BTreeSet;
 
 /// Share of the way in an element below which a penetration after a release may be its local error.
@@ -186,7 +187,7 @@ fn starts(now: &mut Present<'_>, of_coordinates: f64, length: f64) -> Vec<Start>
         let in_sense = function.kind == SwitchKind::Stopping && {
             let sense = function.sense(&now.active);
             sense * now.contacts.sliding_acceleration(i, &now.acceleration)
-                > -FORCE_TOLERANCE * now.contacts.tangential_scale(i)
+                > -yardstick::ROUNDING * now.contacts.tangential_scale(i)
         };
         let value = function.at_present(now);
         // Where its terms have vanished, those that the accelerations of the element add to it are left.

@@ -22,12 +22,11 @@ use crate::simulation::{
     ContactMode, ControlSignal, Counts, Event, EventKind, InitialValueProblem, ProblemSize,
     Trajectory,
 };
+use crate::yardstick;
 use std::ops::Range;
 
 /// Share of the largest velocity of a contact with which it closes at the end of many bounces.
 const SLOW: f64 = 1e-3;
-/// Rest velocity where none is set, relative to the size of the normal velocity.
-const REST: f64 = 1e-6;
 /// Share of the horizon below which times are rounding error.
 const SHORTEST: f64 = 1e-14;
 
@@ -406,5 +405,5 @@ impl<'a> Instant<'a> for Driver<'a> {
 pub(super) fn rest_velocity(driver: &Driver<'_>, contact: usize) -> f64 {
     let largest = driver.now.size(contact).speed();
     let chosen = driver.setup.settings.rest_velocity;
-    chosen.unwrap_or(REST * largest)
+    chosen.unwrap_or(yardstick::PROMISE * largest)
 }

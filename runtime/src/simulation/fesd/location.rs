@@ -6,7 +6,7 @@ use super::switch::{Function, Switch, SwitchKind};
 use crate::contact::ActiveContact;
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::finite_element::newton;
-use crate::simulation::along::{LEAPS, LEAST_LEAP};
+use crate::yardstick;
 
 /// Size of a force that changes its sign, relative to its terms, above which it does so through infinity.
 const POLE: f64 = 1e-3;
@@ -212,13 +212,13 @@ fn leaps(
         // Of schemes whose last stage is not the end of an element gaps jump there by themselves.
         SwitchKind::Entry if driver.setup.tableau.stiffly_accurate() => {
             let least = driver.now.size(function.contact).touching_gap();
-            let least = least.max(LEAST_LEAP * extent(&driver.now.x, longest));
-            value.abs() > least.max(LEAPS * largest)
+            let least = least.max(yardstick::PROMISE * extent(&driver.now.x, longest));
+            value.abs() > least.max(yardstick::VISIBLE * largest)
         }
         // Where a condition jumps it is another one; beside a pole its function is more than ever.
         SwitchKind::Stopping if driver.now.contacts.switch_of(function.contact).is_some() => {
             let least = at_start.sliding_speed().max(at_start.crossed_rest());
-            value.abs() > least.max(LEAPS * largest)
+            value.abs() > least.max(yardstick::VISIBLE * largest)
         }
         // After a release the condition is a velocity, which may jump.
         SwitchKind::Entry | SwitchKind::Reentry | SwitchKind::Stopping => false,

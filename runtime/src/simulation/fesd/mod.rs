@@ -52,6 +52,7 @@ use super::{
 };
 use crate::Observer;
 use crate::model::Model;
+use crate::yardstick;
 
 const OTHER: Other = Other {
     failed: "finite elements",
@@ -103,7 +104,7 @@ impl Simulator for Fesd {
                 }
             }
             None if self.steps.is_none() => {
-                let promise = self.tolerance.unwrap_or(Self::PROMISE);
+                let promise = self.tolerance.unwrap_or(yardstick::PROMISE);
                 accuracy::compared(self, promise, &tableau, (model, problem), &mut watch)
             }
             None => estimate::estimated(self, &tableau, (model, problem), &mut watch),

@@ -9,9 +9,7 @@ use crate::fesd::contact_mode;
 use crate::fesd::contacts::ModeError;
 use crate::run::{Instant, impact, resets};
 use crate::simulation::{EventKind, changes};
-
-/// Share of the velocity above which flights that are left out could be felt by others.
-const FELT: f64 = 1e-6;
+use crate::yardstick;
 
 /// Carries out a located switch at the present state.
 pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Function) -> Result<(), ModeError> {
@@ -153,7 +151,7 @@ pub(super) fn note_held_flights(driver: &mut Driver<'_>) {
     let now = &driver.now;
     let leaves = |&i: &usize| {
         let size = now.size(i);
-        let felt = (FELT * size.speed()).max(size.touching_velocity());
+        let felt = (yardstick::PROMISE * size.speed()).max(size.touching_velocity());
         now.contacts.normal_velocity(i) > felt
     };
     let held: Vec<usize> = now.active.iter().map(|held| held.contact).collect();

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
-use crate::simulation::other_grid::SUSPECT;
+use crate::yardstick;
 
 /// How the equations of a step are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -117,8 +117,6 @@ impl Default for Fesd {
 }
 
 impl Fesd {
-    /// Error that is promised where none is asked for.
-    pub(crate) const PROMISE: f64 = 1e-6;
     /// Steps of a grid where none are named.
     pub const DEFAULT_STEPS: usize = 60;
 
@@ -127,7 +125,7 @@ impl Fesd {
     pub fn promise(&self) -> Option<f64> {
         let grid = self.steps.is_some() && self.tolerance.is_none();
         let controlled = self.exit_condition && !grid;
-        controlled.then(|| self.tolerance.unwrap_or(Self::PROMISE))
+        controlled.then(|| self.tolerance.unwrap_or(yardstick::PROMISE))
     }
 
     /// Share of their terms by which conditions of contacts may be missed.
@@ -135,7 +133,7 @@ impl Fesd {
         match self.promise() {
             Some(promise) => promise,
             None if !self.exit_condition => f64::INFINITY,
-            None => SUSPECT,
+            None => yardstick::VISIBLE,
         }
     }
 

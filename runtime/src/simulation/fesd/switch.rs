@@ -5,12 +5,7 @@ use crate::contact::{ActiveContact, find, force_count};
 use crate::enclosure::{Form, Interpolated, Sample, Watched};
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::contacts::{Contacts, ModeError};
-
-/// Share of the terms of a force that is rounding error.
-pub(super) const FORCE_TOLERANCE: f64 = 1e-12;
-/// Force beyond its bound that another switch explains, relative to its terms; larger ones are switches of
-/// their own.
-const CROSSED: f64 = 1e-9;
+use crate::yardstick;
 
 /// Which sign condition ends the element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -172,7 +167,7 @@ impl Function {
 
     /// Its rounding error, and the values that another switch explains.
     pub(super) fn zeros(self, contacts: &Contacts<'_>, size: ContactSize) -> [f64; 2] {
-        let of_forces = |scale: f64| [FORCE_TOLERANCE * scale, CROSSED * scale];
+        let of_forces = |scale: f64| [yardstick::ROUNDING * scale, yardstick::NOTHING * scale];
         match self.kind {
             SwitchKind::Entry | SwitchKind::Reentry => [size.gap_rounding(), size.touching_gap()],
             SwitchKind::Stopping => [size.sliding_rounding(), size.crossed_rest()],

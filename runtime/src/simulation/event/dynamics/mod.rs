@@ -12,6 +12,7 @@ mod scales;
 mod switch;
 pub(in crate::simulation) mod switching;
 
+use crate::yardstick;
 pub(in crate::simulation) use laws::Laws;
 use memory::Equations;
 pub(in crate::simulation) use memory::{Mode, SwitchingFunctions};
@@ -608,7 +609,7 @@ impl<'a> Dynamics<'a> {
     pub(in crate::simulation) fn zero_of_energy(&self, contact: usize) -> f64 {
         let view = &self.view;
         let response = view.coupling(Line::normal(contact), Line::normal(contact));
-        scales::ZERO_VELOCITY * (2.0 * view.kinetic_energy(self.input()) * response).sqrt()
+        yardstick::ROUNDING * (2.0 * view.kinetic_energy(self.input()) * response).sqrt()
     }
 
     /// Sizes of the gap, the normal and the sliding velocity of a contact that is held: at least of what forces like the present ones

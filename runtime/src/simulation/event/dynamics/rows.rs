@@ -4,12 +4,11 @@ use super::Dynamics;
 use crate::contact::shares::{self, Shares};
 use crate::contact::{Line, View};
 use crate::linalg::small_system;
+use crate::yardstick;
 
 /// Number of rows from which on those couplings alone are kept that do not vanish, and share of the largest of a column up to which a pivot
 /// counts as zero, as in [`small_system`]. Chosen: fewer rows take as long either way.
 const MANY: usize = 32;
-const SINGULAR: f64 = 1e-12;
-
 /// The lines of the first rows: the normals of active contacts, of which those that slide carry friction where they are `slipping`, then
 /// the tangents of sticking ones.
 fn lines(dynamics: &Dynamics<'_>, (rows, slipping): (usize, bool)) -> Vec<Line> {
@@ -50,7 +49,9 @@ pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: boo
             .entries
             .extend(idle.clone().map(|row| (row, row, 1.0)));
         equations.entries.sort_by_key(|&(row, _, _)| row);
-        let factorized = equations.band.factorize(rows, &equations.entries, SINGULAR);
+        let factorized = equations
+            .band
+            .factorize(rows, &equations.entries, yardstick::ROUNDING);
         equations.banded = factorized.is_ok();
     }
     if !equations.banded {

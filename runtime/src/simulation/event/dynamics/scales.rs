@@ -4,12 +4,8 @@
 use crate::contact::Extent;
 use crate::model::rounding::ROUNDINGS;
 use crate::model::{contact_point, tangent_point};
+use crate::yardstick;
 
-/// Gaps below this share of what the way of the motion changes of them are closed: contacts that close at one
-/// instant do so up to the errors of integration.
-const CLOSED_GAP: f64 = 1e-12;
-/// Velocities below this share of the largest terms they have been sums of are zero.
-pub(super) const ZERO_VELOCITY: f64 = 1e-12;
 /// Normal velocities below this multiple of what rounding of the place leaves of them are zero.
 const TURNS: f64 = 4.0;
 /// A flight lower than this share of the range of the gap is none. It ends the geometric sequence of impacts of,
@@ -141,7 +137,7 @@ impl ContactScale {
 
     /// Below this gap the contact is closed.
     pub(super) fn closed_gap(&self) -> f64 {
-        (CLOSED_GAP * self.range).max(ROUNDINGS * self.rounding)
+        (yardstick::ROUNDING * self.range).max(ROUNDINGS * self.rounding)
     }
 
     /// Flights lower than this are none.
@@ -156,7 +152,7 @@ impl ContactScale {
 
     /// Below this normal velocity the contact is at rest.
     pub(super) fn zero_normal_velocity(&self) -> f64 {
-        (ZERO_VELOCITY * self.normal_velocity).max(TURNS * self.turn)
+        (yardstick::ROUNDING * self.normal_velocity).max(TURNS * self.turn)
     }
 
     /// Accelerations with which those of the contact are compared however small their terms are: they would give its
@@ -191,6 +187,6 @@ impl ContactScale {
 
     /// Below this sliding velocity the contact does not slide.
     pub(super) fn zero_sliding_velocity(&self) -> f64 {
-        ZERO_VELOCITY * self.sliding_velocity
+        yardstick::ROUNDING * self.sliding_velocity
     }
 }

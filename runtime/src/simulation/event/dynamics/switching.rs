@@ -4,9 +4,8 @@ use super::switch::Switch;
 use super::{Dynamics, dot, rows};
 use crate::model::contact_point;
 use crate::simulation::event::dop853::System;
+use crate::yardstick;
 
-/// Normal contact accelerations below this times the accelerations they balance are zero.
-const ZERO_FORCE: f64 = 1e-12;
 /// Sliding velocities up to this multiple of what counts as zero are those of a contact that others hold: it is held
 /// by rounding error where the geometry keeps it, and slides where that was so at one instant only.
 const HELD: f64 = 1e3;
@@ -69,9 +68,9 @@ pub(in crate::simulation) fn zero_value(dynamics: &Dynamics<'_>, function: usize
     match dynamics.switch(function) {
         Switch::Gap(i) => dynamics.closed_gap(i),
         Switch::SlidingVelocity(i, _) => dynamics.zero_sliding_velocity(i),
-        Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
-            (ZERO_FORCE * size(dynamics, function)).max(dynamics.switching.accepted_pull[function])
-        }
+        Switch::NormalForce(_) | Switch::FrictionLimit(..) => (yardstick::ROUNDING
+            * size(dynamics, function))
+        .max(dynamics.switching.accepted_pull[function]),
         Switch::HeldVelocity(_) | Switch::Constant(_) => 0.0,
     }
 }

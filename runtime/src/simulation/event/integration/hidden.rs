@@ -10,9 +10,6 @@ const COUNTS: f64 = 1e-7;
 /// Change as a multiple of the tolerance above which it counts: beside that steps differ by themselves.
 const BESIDE_TOLERANCE: f64 = 100.0;
 
-/// Tolerance above which nobody looks: such a run is not as accurate as what would count.
-pub(super) const LOOSE: f64 = 1e-6;
-
 /// Whether something acts in the step of length `h` from `t` on, in each of whose `parts` nothing is hidden, that its stages do not show.
 /// The continuous extension of the `method` is ready.
 pub(super) fn acts(
