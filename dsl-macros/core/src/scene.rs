@@ -7,7 +7,6 @@ use hangtime_units::Unit;
 use proc_macro2::TokenStream;
 use std::iter;
 
-// Many fields: the parts of a declaration.
 /// A checked scene.
 pub(crate) struct CheckedScene {
     pub(crate) documentation: Documentation,

@@ -21,7 +21,6 @@ use crate::model::{Model, ParameterDerivatives, contact_point, tangent_point};
 use crate::simulation::ContactMode;
 
 /// Evaluates accelerations and their derivatives in one contact mode.
-// Many fields: the memory of an evaluation.
 pub(super) struct Acceleration<'a> {
     view: View<'a>,
     pub(super) derivatives: Arc<ParameterDerivatives>,

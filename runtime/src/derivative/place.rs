@@ -13,7 +13,6 @@ use crate::yardstick;
 pub(super) const VANISHED: f64 = 1e-5;
 
 /// A place of a motion.
-// Many fields: what is known of the motion, and where in it the walk is.
 pub(super) struct Place<'w> {
     pub(super) run: &'w Simulation,
     pub(super) problem: &'w InitialValueProblem,

@@ -26,7 +26,6 @@ use crate::yardstick;
 /// Distance of a step from the known motion, relative to the largest values of that, above which it is another motion.
 const ANOTHER: f64 = 1e-5;
 /// The derivatives along a motion.
-// Many fields: where the walk is, and what is asked of it.
 pub(super) struct Walk<'w> {
     pub(super) at: Place<'w>,
     /// Derivatives at present, at a fixed time.

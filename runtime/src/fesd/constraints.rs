@@ -12,7 +12,6 @@ use crate::model::{
 /// then the tangents of those that stick. Owns the memory for them.
 ///
 /// The normal of dry friction holds no velocity: its force is given.
-// Many fields: the memory of an evaluation, kept so that nothing allocates.
 pub(super) struct Constraints<'a> {
     model: &'a dyn Model,
     n: usize,

@@ -30,7 +30,6 @@ const SINGULAR: f64 = 1e-14;
 const CANCELS: f64 = 8.0 * f64::EPSILON;
 
 /// Evaluates contacts and their forces at a point: the [`View`] that laws read, and the sizes that the motion has had.
-// Many fields: the memory of an evaluation, and the sizes that the motion has had.
 pub(crate) struct Contacts<'a> {
     view: View<'a>,
     /// How far and how fast the motion has been.

@@ -34,7 +34,6 @@ pub(crate) enum JointError {
 }
 
 /// The rows of all joints at a point; owns the memory for them.
-// Many fields: the memory of an evaluation, kept so that nothing allocates.
 pub(crate) struct Joints<'a> {
     model: &'a dyn Model,
     n: usize,

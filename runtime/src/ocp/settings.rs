@@ -173,7 +173,6 @@ impl TimeFreezingSettings {
 }
 
 /// Settings of the optimal control solver; change fields of [`Settings::default`].
-// Many fields: independent choices, of which a caller changes one or two.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {

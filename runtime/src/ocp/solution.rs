@@ -291,7 +291,6 @@ pub struct Margin {
 /// println!("{solution}");
 /// # Ok::<(), InputError>(())
 /// ```
-// Many fields: a flat record, as a caller reads one or two of them.
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Why it ended.

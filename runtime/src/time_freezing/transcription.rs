@@ -88,7 +88,6 @@ pub(crate) struct Interval {
 }
 
 /// The variables of a [`Task`] in a program.
-// Many fields: a task, the numbering of its program, and what guesses are made of.
 pub(crate) struct Transcription<'a> {
     pub(crate) program: Program<'a>,
     pub(crate) field: Field<'a>,

@@ -45,7 +45,6 @@ impl std::fmt::Display for Status {
 }
 
 /// Result of a run.
-// Many fields: a flat record, as a caller reads one or two of them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {

@@ -40,7 +40,6 @@ pub(super) struct Abbreviation {
     pub(super) what: &'static str,
 }
 
-// Many fields: what statements of each kind have declared.
 /// What has been declared so far.
 pub(super) struct Checker<'a> {
     pub(super) scope: Scope,

@@ -52,7 +52,6 @@ pub struct Description {
     pub kernels: Vec<Kernel>,
 }
 
-// Many fields: the parts of a declaration.
 /// What a scene declares, and how what solvers ask of it is made of its kernels, which are named by their index. All of it is static
 /// data.
 #[derive(Debug, Clone, Copy, PartialEq)]

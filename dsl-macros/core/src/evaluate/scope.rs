@@ -61,7 +61,6 @@ pub(crate) struct Contents {
 /// What the final time is called elsewhere.
 const FINAL_TIMES: [&str; 6] = ["T", "tf", "t_f", "tend", "t_end", "t_final"];
 
-// Many fields: what is known at one place of a scene, and where in it the evaluation stands.
 /// All names in force, and which of them have been used.
 #[derive(Default)]
 pub(crate) struct Scope {

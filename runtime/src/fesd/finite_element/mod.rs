@@ -94,7 +94,6 @@ impl State {
 }
 
 /// The element with its stages, its Newton matrix and its memory.
-// Many fields: the memory of one Newton solve, kept from element to element so that nothing allocates.
 pub(crate) struct FiniteElement<'a> {
     model: &'a dyn Model,
     tableau: &'a ButcherTableau,

@@ -9,7 +9,6 @@ use crate::ocp::program::frame::Frame;
 use crate::program::sparse_program::Program;
 use crate::simulation::ContactMode;
 
-// Many fields: what every file of the construction adds to.
 /// State of the construction. The rows themselves are added by the functions of the other files.
 pub(super) struct Builder<'a, 's> {
     pub(super) setting: Setting<'a>,

@@ -107,7 +107,6 @@ pub(in crate::ocp) struct Tangential {
     pub(in crate::ocp) rows: Vec<(Direction, usize)>,
 }
 
-// Many fields: where in the program everything is that the search reads of an element.
 /// One element of a phase and where its unknowns are.
 pub(in crate::ocp) struct Phase {
     pub(in crate::ocp) interval: usize,

@@ -64,7 +64,6 @@ struct Waiting {
 }
 
 /// A search over words.
-// Many fields: a table, what makes its rows, and how far it is.
 pub(in crate::ocp) struct Words<'a, 'r> {
     setting: Setting<'a>,
     tableau: &'r ButcherTableau,

@@ -47,7 +47,6 @@ const STEPS_AN_EVENT: usize = 4;
 /// Steps at the same instant after which a contact mode is chosen by what follows later.
 const PATIENCE: usize = 2;
 
-// Many fields: a task, where it stands, and the memory of its steps, kept so that nothing allocates.
 /// A run.
 pub(super) struct Integration<'a> {
     settings: &'a EventDriven,

@@ -54,7 +54,6 @@ const MANY: usize = 16;
 /// in `J`.
 ///
 /// The state is `y = (q, v, numerical time)`.
-// Many fields: scene, contact mode and the memory of an evaluation, kept so that nothing allocates.
 pub(in crate::simulation) struct Dynamics<'a> {
     view: View<'a>,
     /// Input vector of the model, `(q, v, u[, t])`.
