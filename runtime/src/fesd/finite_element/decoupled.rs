@@ -12,7 +12,7 @@
 //! of their time would go to. Steps contract by what the derivatives change over the element; the solution is the same.
 
 use crate::yardstick;
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, Dyn, LU};
 
 use crate::rk::ButcherTableau;
 
@@ -26,7 +26,7 @@ struct Part {
     row: Vec<Complex<f64>>,
     /// 2 where it stands for its conjugate as well.
     counts: f64,
-    factors: Factors,
+    factors: Option<LU<Complex<f64>, Dyn, Dyn>>,
 }
 
 /// The parts that the eigenvectors of a scheme take an element into.
@@ -67,7 +67,7 @@ impl Decoupled {
                     column: vectors.column(k).iter().copied().collect(),
                     row: inverse.row(k).iter().copied().collect(),
                     counts: if real { 1.0 } else { 2.0 },
-                    factors: Factors::default(),
+                    factors: None,
                 })
             });
         Some(Self {
@@ -75,126 +75,45 @@ impl Decoupled {
         })
     }
 
-    /// Factorizes for an element of length `h` with these derivatives, row-major; `false` if a matrix is singular.
+    /// Factorizes for an element of length `h` with these derivatives, row-major; `false` if one is not finite or a matrix
+    /// singular.
     pub(super) fn factorize(&mut self, h: f64, by_q: &[f64], by_v: &[f64], n: usize) -> bool {
-        self.parts.iter_mut().all(|part| {
-            let first = part.eigenvalue * h;
-            let second = first * first;
-            let entries = by_q.iter().zip(by_v);
-            part.factors.matrix.clear();
-            part.factors.matrix.extend(
-                entries
-                    .map(|(q, v)| [-second.re * q - first.re * v, -second.im * q - first.im * v]),
-            );
-            for i in 0..n {
-                part.factors.matrix[i * n + i][0] += 1.0;
-            }
-            part.factors.compute(n)
-        })
+        let finite = by_q.iter().chain(by_v).all(|entry| entry.is_finite());
+        finite
+            && self.parts.iter_mut().all(|part| {
+                let first = part.eigenvalue * h;
+                let second = first * first;
+                let matrix = DMatrix::from_fn(n, n, |i, j| {
+                    let one = f64::from(u8::from(i == j));
+                    Complex::from(one) - second * by_q[i * n + j] - first * by_v[i * n + j]
+                });
+                let factors = matrix.lu();
+                let regular = factors.is_invertible();
+                part.factors = Some(factors);
+                regular
+            })
     }
 
     /// Solves for the step of all stages, one after the other in `residual`, which it overwrites.
     pub(super) fn solve(&self, residual: &mut [f64], n: usize) {
         let given = residual.to_vec();
         residual.fill(0.0);
-        let mut step = vec![[0.0; 2]; n];
+        let mut step = DVector::zeros(n);
         for part in &self.parts {
-            step.fill([0.0; 2]);
+            step.fill(Complex::default());
             for (share, stage) in part.row.iter().zip(given.chunks_exact(n)) {
                 for (step, value) in step.iter_mut().zip(stage) {
-                    step[0] += share.re * value;
-                    step[1] += share.im * value;
+                    *step += share * value;
                 }
             }
-            part.factors.solve(&mut step);
+            if let Some(factors) = &part.factors {
+                factors.solve_mut(&mut step);
+            }
             for (share, stage) in part.column.iter().zip(residual.chunks_exact_mut(n)) {
                 for (value, step) in stage.iter_mut().zip(&step) {
-                    *value += part.counts * (share.re * step[0] - share.im * step[1]);
+                    *value += part.counts * (share * step).re;
                 }
             }
         }
     }
-}
-
-/// `P M = L U` of a complex matrix, row-major, real and imaginary parts side by side.
-#[derive(Default)]
-struct Factors {
-    matrix: Vec<[f64; 2]>,
-    pivots: Vec<usize>,
-}
-
-impl Factors {
-    /// Factorizes the matrix of that order in its place; `false` if it is singular.
-    fn compute(&mut self, n: usize) -> bool {
-        self.pivots.clear();
-        for k in 0..n {
-            let size = |entry: [f64; 2]| entry[0].abs() + entry[1].abs();
-            let (mut best, mut most) = (k, 0.0);
-            for i in k..n {
-                let here = size(self.matrix[i * n + k]);
-                if here > most {
-                    (best, most) = (i, here);
-                }
-            }
-            if !(most > 0.0 && most.is_finite()) {
-                return false;
-            }
-            self.pivots.push(best);
-            if best != k {
-                let (upper, lower) = self.matrix.split_at_mut(best * n);
-                upper[k * n..(k + 1) * n].swap_with_slice(&mut lower[..n]);
-            }
-            let (upper, lower) = self.matrix.split_at_mut((k + 1) * n);
-            let pivots = &upper[k * n + k..];
-            let [re, im] = pivots[0];
-            let square = re * re + im * im;
-            for row in lower.chunks_exact_mut(n) {
-                let [a, b] = row[k];
-                let factor = [(a * re + b * im) / square, (b * re - a * im) / square];
-                row[k] = factor;
-                subtract(&mut row[k + 1..], factor, &pivots[1..]);
-            }
-        }
-        true
-    }
-
-    /// Solves in the place of the right-hand side.
-    fn solve(&self, x: &mut [[f64; 2]]) {
-        let n = x.len();
-        for (k, &pivot) in self.pivots.iter().enumerate() {
-            x.swap(k, pivot);
-        }
-        for i in 0..n {
-            let row = &self.matrix[i * n..(i + 1) * n];
-            let (known, rest) = x.split_at_mut(i);
-            rest[0] = less(rest[0], &row[..i], known);
-        }
-        for i in (0..n).rev() {
-            let row = &self.matrix[i * n..(i + 1) * n];
-            let (own, known) = x.split_at_mut(i + 1);
-            let [a, b] = less(own[i], &row[i + 1..], known);
-            let [re, im] = row[i];
-            let square = re * re + im * im;
-            own[i] = [(a * re + b * im) / square, (b * re - a * im) / square];
-        }
-    }
-}
-
-/// Subtracts a multiple of a row.
-fn subtract(row: &mut [[f64; 2]], factor: [f64; 2], other: &[[f64; 2]]) {
-    let [a, b] = factor;
-    for (entry, [re, im]) in row.iter_mut().zip(other) {
-        entry[0] -= a * re - b * im;
-        entry[1] -= a * im + b * re;
-    }
-}
-
-/// A value less a sum of products.
-fn less(value: [f64; 2], row: &[[f64; 2]], x: &[[f64; 2]]) -> [f64; 2] {
-    let [mut a, mut b] = value;
-    for ([re, im], [x, y]) in row.iter().zip(x) {
-        a -= re * x - im * y;
-        b -= re * y + im * x;
-    }
-    [a, b]
 }
