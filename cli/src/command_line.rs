@@ -13,7 +13,7 @@ use crate::lab::chart::{self, Listed};
 use crate::lab::reproduce;
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, printed, refuse};
 use crate::scene_file::is_path;
-use crate::{CommandSettings, ControlScene, HardOptimum, HardScene, OpeningRide, PlayPage, Scene};
+use crate::{CommandSettings, HardOptimum, HardScene, OpeningRide, PlayPage, Scene};
 use crate::{
     ampl, authoring, explain, list, play, profile, program, run, scene, shell, sweep, watch,
 };
@@ -58,7 +58,6 @@ pub struct CommandLine {
     hard_optima: &'static [HardOptimum],
     page: Option<PlayPage>,
     peers: &'static str,
-    controlled: &'static [ControlScene],
     opening: Option<OpeningRide>,
 }
 
@@ -72,7 +71,6 @@ impl CommandLine {
             hard_optima: &[],
             page: None,
             peers: "",
-            controlled: &[],
             opening: None,
         }
     }
@@ -107,12 +105,6 @@ impl CommandLine {
     #[must_use]
     pub const fn with_peers(self, peers: &'static str) -> Self {
         Self { peers, ..self }
-    }
-
-    /// This command line, whose charts of all scenes show how good the optima of these scenes are as well.
-    #[must_use]
-    pub const fn with_controlled(self, controlled: &'static [ControlScene]) -> Self {
-        Self { controlled, ..self }
     }
 
     /// This command line, whose page of published results opens with this ride, beside a published motion.
@@ -212,7 +204,6 @@ impl CommandLine {
             scenes: self.scenes,
             hard: self.hard,
             hard_optima: self.hard_optima,
-            controlled: self.controlled,
             peers: self.peers,
         }
     }

@@ -119,7 +119,7 @@ pub use published::{
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
 pub use scene::{
-    Charted, ClosedForm, ControlScene, HardOptimum, HardScene, OpeningRide, Question, Right,
+    Charted, ClosedForm, HardOptimum, HardScene, OpeningRide, Question, Right,
     RightOptimum, Scene, Variant, parameter,
 };
 #[cfg(feature = "terminal")]

@@ -110,17 +110,6 @@ pub enum RightOptimum {
     None(&'static [&'static str]),
 }
 
-/// A scene with an optimum, for charts of how good the solver's optima are.
-#[derive(Debug, Clone, Copy)]
-pub struct ControlScene {
-    /// Its name, in kebab case.
-    pub name: &'static str,
-    /// The text of its file.
-    pub text: &'static str,
-    /// The best objective known of a scene, by its name, on a grid with that many control intervals.
-    pub best: fn(name: &str, intervals: usize) -> Option<f64>,
-}
-
 /// A ride that is solved and played on the page of all published results, before anything else.
 #[derive(Debug, Clone, Copy)]
 pub struct OpeningRide {

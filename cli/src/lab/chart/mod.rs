@@ -1,7 +1,6 @@
 //! `hangtime chart`: accuracy against CPU time and step size, of every simulation method and of the solver, for one
 //! scene or for all of them on one page.
 
-mod controlled;
 mod drawn;
 mod hard_optima;
 mod measure;
@@ -27,7 +26,7 @@ use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::table;
 
-use crate::{ControlScene, HardOptimum, HardScene, Scene};
+use crate::{HardOptimum, HardScene, Scene};
 use optimum::Known;
 use peers::Peers;
 use study::{Charted, Study, charted, listed};
@@ -37,7 +36,6 @@ pub(crate) struct Listed {
     pub(crate) scenes: &'static [Scene],
     pub(crate) hard: &'static [HardScene],
     pub(crate) hard_optima: &'static [HardOptimum],
-    pub(crate) controlled: &'static [ControlScene],
     /// Runs of other programs, as CSV.
     pub(crate) peers: &'static str,
 }
@@ -83,9 +81,6 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
         if !optimum_first {
             drawn.add_optimum(scene, arguments, &bounds)?;
         }
-    }
-    if arguments.scenes.is_empty() && !listed.controlled.is_empty() && bounds.asked().is_none() {
-        drawn.add(controlled::chart(listed.controlled, &bounds)?);
     }
     let mut report = Report {
         text: drawn.text(charted.len() > 1),
