@@ -84,7 +84,6 @@ fn time_freezing_formulation_at_15_km_per_h_ends_at_the_optimum_of_the_phases() 
 
 #[test]
 fn rides_from_every_guess_end_certified_at_the_same_optimum() {
-    // With 12 intervals; `cargo bench --bench robustness` does it with 30, for more speeds and starts.
     for speed in [12.0, 15.0, 20.0] {
         let model = at(speed);
         let problem = Problem::of(&model, 12);
