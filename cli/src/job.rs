@@ -316,9 +316,9 @@ impl Run {
     /// Most rows of a trajectory in documents.
     pub(crate) fn rows(&self) -> usize {
         match &self.work {
-            Work::Simulated(task, ..) => task.rows(),
-            Work::Planned(task, _) => task.rows(),
-            Work::Fitted(task, _) => task.rows(),
+            Work::Simulated(task, ..) => task.rows,
+            Work::Planned(task, _) => task.rows,
+            Work::Fitted(task, _) => task.rows,
         }
     }
 
@@ -421,7 +421,7 @@ impl Run {
         };
         let (mut charts, mut further) = (Vec::new(), Vec::new());
         let title = match &self.work {
-            Work::Simulated(task, ..) => task.method.settings.name().to_owned(),
+            Work::Simulated(task, ..) => task.method.settings.name.to_owned(),
             Work::Planned(_, solution) => {
                 charts = solve::improvements(stem, chosen, solution);
                 "optimal".to_owned()

@@ -119,8 +119,8 @@ pub use published::{
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
 pub use scene::{
-    Charted, ClosedForm, HardOptimum, HardScene, OpeningRide, Question, Right,
-    RightOptimum, Scene, Variant, parameter,
+    Charted, ClosedForm, HardOptimum, HardScene, OpeningRide, Question, Right, RightOptimum, Scene,
+    Variant, parameter,
 };
 #[cfg(feature = "terminal")]
 pub use shell::CommandSettings;

@@ -21,7 +21,7 @@ use crate::table::counted;
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub(crate) struct MethodSettings {
     /// Name of the method.
-    name: &'static str,
+    pub(crate) name: &'static str,
     /// Runge-Kutta scheme.
     #[serde(skip_serializing_if = "Option::is_none")]
     scheme: Option<&'static str>,
@@ -30,10 +30,10 @@ pub(crate) struct MethodSettings {
     stages: Option<usize>,
     /// Steps over the horizon.
     #[serde(skip_serializing_if = "Option::is_none")]
-    steps: Option<usize>,
+    pub(crate) steps: Option<usize>,
     /// Finite elements of a step.
     #[serde(skip_serializing_if = "Option::is_none")]
-    elements: Option<usize>,
+    pub(crate) elements: Option<usize>,
     /// Whether contacts end where their forces vanish.
     #[serde(skip_serializing_if = "Option::is_none")]
     exit_condition: Option<bool>,
@@ -42,26 +42,16 @@ pub(crate) struct MethodSettings {
     formulation: Option<String>,
     /// Tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
-    tolerance: Option<f64>,
+    pub(crate) tolerance: Option<f64>,
     /// Longest step \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     max_step: Option<f64>,
     /// Width of the smoothed step functions.
     #[serde(skip_serializing_if = "Option::is_none")]
-    width: Option<f64>,
+    pub(crate) width: Option<f64>,
 }
 
 impl MethodSettings {
-    /// Name of the method.
-    pub(crate) fn name(&self) -> &'static str {
-        self.name
-    }
-
-    /// Steps over the horizon, for methods that have them.
-    pub(crate) fn steps(&self) -> Option<usize> {
-        self.steps
-    }
-
     /// The settings with the number of steps that `simulation` took, where the method chose it itself.
     pub(crate) fn with_steps_of(&self, simulation: &Simulation) -> Self {
         let mut settings = self.clone();
@@ -69,16 +59,6 @@ impl MethodSettings {
             settings.steps = Some(simulation.counts.elements);
         }
         settings
-    }
-
-    /// Finite elements of a step, for methods that have them.
-    pub(crate) fn elements(&self) -> Option<usize> {
-        self.elements
-    }
-
-    /// Width of the smoothed step functions, for the method that has one.
-    pub(crate) fn width(&self) -> Option<f64> {
-        self.width
     }
 
     /// Refuses more elements in all than states fit into memory.
@@ -94,11 +74,6 @@ impl MethodSettings {
              lower one of them, simulate a part of the horizon, or give a tolerance",
             steps.saturating_mul(elements)
         )))
-    }
-
-    /// Error tolerance of a step, for methods that have one.
-    pub(crate) fn tolerance(&self) -> Option<f64> {
-        self.tolerance
     }
 }
 

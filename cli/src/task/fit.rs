@@ -18,7 +18,7 @@ pub(crate) struct FitTask {
     pub(crate) chosen: ChosenScene,
     measurements: Vec<Measurements>,
     settings: Settings,
-    rows: usize,
+    pub(crate) rows: usize,
 }
 
 impl FitTask {
@@ -50,11 +50,6 @@ impl FitTask {
             self.chosen.model.set_parameter(found.index, found.value);
         }
         Ok(estimate)
-    }
-
-    /// Most rows of trajectories.
-    pub(crate) fn rows(&self) -> usize {
-        self.rows
     }
 
     /// The JSON document of an estimate that ended as `ending` tells.

@@ -25,7 +25,7 @@ pub(crate) struct OptimumTask {
     pub(crate) method: SolverSettings,
     problem: Problem,
     settings: Settings,
-    rows: usize,
+    pub(crate) rows: usize,
 }
 
 impl OptimumTask {
@@ -64,11 +64,6 @@ impl OptimumTask {
             settings,
             rows: arguments.result.rows(),
         })
-    }
-
-    /// Most rows of a trajectory in documents.
-    pub(crate) fn rows(&self) -> usize {
-        self.rows
     }
 
     /// Starts from the motion of an earlier plan for the same scene.

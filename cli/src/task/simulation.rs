@@ -22,7 +22,7 @@ pub(crate) struct SimulationTask {
     pub(crate) method: ChosenMethod,
     /// Start and horizon.
     pub(crate) problem: InitialValueProblem,
-    rows: usize,
+    pub(crate) rows: usize,
     /// Names of what the motion is differentiated by; none if it is not.
     gradient: Vec<String>,
     /// Values at the end that are differentiated alone, if that is asked for, and how.
@@ -53,11 +53,6 @@ impl SimulationTask {
                 GradientModeName::Adjoint => GradientMode::Adjoint,
             }),
         })
-    }
-
-    /// Most rows of a trajectory in documents.
-    pub(crate) fn rows(&self) -> usize {
-        self.rows
     }
 
     /// The derivatives of the motion, if they were asked for.

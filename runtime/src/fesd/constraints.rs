@@ -23,7 +23,7 @@ pub(super) struct Constraints<'a> {
     pub(super) loads: Vec<(usize, usize, f64)>,
     /// Number of contacts of the scene that are surfaces, and of those that are active.
     surfaces: usize,
-    normals: usize,
+    pub(super) normals: usize,
     /// Gaps of the active surfaces.
     pub(super) gaps: Vec<f64>,
     /// Rounding error of the gaps at the last evaluation, the largest of them.
@@ -92,11 +92,6 @@ impl<'a> Constraints<'a> {
     /// Active contacts.
     pub(super) fn active(&self) -> &[ActiveContact] {
         &self.active
-    }
-
-    /// Number of active contacts that are surfaces.
-    pub(super) fn normals(&self) -> usize {
-        self.normals
     }
 
     /// Number of constraints that hold positions as well.

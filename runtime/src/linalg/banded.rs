@@ -42,7 +42,7 @@ pub(crate) struct Banded {
     scales: Vec<f64>,
     right: Vec<f64>,
     /// Sign of the determinant.
-    sign: f64,
+    pub(crate) sign: f64,
 }
 
 impl Banded {
@@ -80,11 +80,6 @@ impl Banded {
         self.pivots.clear();
         self.sign = 1.0;
         (0..n).try_for_each(|k| self.eliminate(k, zero))
-    }
-
-    /// Sign of the determinant.
-    pub(crate) fn sign(&self) -> f64 {
-        self.sign
     }
 
     /// Finds the order for a pattern.
@@ -287,7 +282,7 @@ mod tests {
             let regular = banded.factorize(n, &entries(&matrix, n), 1e-12);
             prop_assert_eq!(sign.is_some(), regular.is_ok());
             if let Some(sign) = sign {
-                prop_assert_eq!(sign, banded.sign());
+                prop_assert_eq!(sign, banded.sign);
                 let mut x = b.clone();
                 banded.solve(&mut x);
                 // Backward stable: the residual is rounding of the terms, whatever the condition; pivots grow the entries a little.

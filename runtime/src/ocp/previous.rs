@@ -52,7 +52,7 @@ impl Previous {
             }
         }
         let mut trajectory = self.trajectory.clone();
-        let shape = trajectory.controls.shape();
+        let shape = trajectory.controls.shape;
         trajectory.controls = trajectory.controls.resampled(shape, problem.intervals);
         Ok(match problem.horizon {
             Horizon::Fixed(horizon) => trajectory.stretched(horizon),
@@ -86,7 +86,7 @@ impl Previous {
         let controls = &trajectory.controls;
         trajectory.controls = match controls.is_aligned() {
             true => controls.divided(intervals / controls.intervals()),
-            false => controls.resampled(controls.shape(), intervals),
+            false => controls.resampled(controls.shape, intervals),
         };
         let candidate = self.candidate(&trajectory, intervals);
         Self::new(candidate.trajectory, candidate.sequence)

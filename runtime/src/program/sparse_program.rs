@@ -28,8 +28,8 @@ pub(crate) struct Program<'a> {
     terms: Terms,
     variables: Variables,
     rows: Rows,
-    objective_unit: f64,
-    objective_size: f64,
+    pub(crate) objective_unit: f64,
+    pub(crate) objective_size: f64,
     /// Variables with a price in the objective, of their physical values.
     penalties: Vec<(usize, f64)>,
     haste: Haste,
@@ -294,11 +294,6 @@ impl<'a> Program<'a> {
         self.penalties.first().map_or(0.0, unit)
     }
 
-    /// The power of ten, or of a million if that is smaller, nearest to the largest derivative of the objective.
-    pub(crate) fn objective_size(&self) -> f64 {
-        self.objective_size
-    }
-
     /// Declares the pair `0 <= x_i _|_ x_j >= 0`.
     pub(crate) fn pair(&mut self, i: usize, j: usize) {
         self.pairs.push((i, j));
@@ -318,11 +313,6 @@ impl<'a> Program<'a> {
         let largest = gradient.iter().fold(0.0, |largest, g| g.abs().max(largest));
         self.objective_unit = unit(largest);
         self.objective_size = objective_size(largest);
-    }
-
-    /// What the solver's objective is in units of.
-    pub(crate) fn objective_unit(&self) -> f64 {
-        self.objective_unit
     }
 
     /// Against what differences of an objective count: what it is, or, where it is next to nothing, the power of ten nearest to its largest

@@ -29,7 +29,7 @@ pub(super) struct Comparison {
     /// What tells of the error.
     by: By,
     /// Time up to which they have the same events at the same places, to the share that is promised \[s\].
-    until: f64,
+    pub(super) until: f64,
 }
 
 impl Comparison {
@@ -57,11 +57,6 @@ impl Comparison {
             by,
             until: agreed_until(coarser, finer, &sizes, promise),
         }
-    }
-
-    /// Time up to which the two have the same events at the same places \[s\].
-    pub(super) fn until(&self) -> f64 {
-        self.until
     }
 
     /// The difference, unless the finer run knows of a larger error.

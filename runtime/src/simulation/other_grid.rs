@@ -163,7 +163,7 @@ fn error(
         run.error_estimate = None;
         let compared = Comparison::of(other, run, scene, yardstick::VISIBLE);
         take(compared.error, words);
-        until = until.min(compared.until());
+        until = until.min(compared.until);
         if !judge.locates {
             take(share(run, scene, &along::apart(other, run)), words);
         }

@@ -172,7 +172,7 @@ fn set_largest(transcription: &Transcription<'_>, local: &mut [f64]) {
     x.resize(model.declaration().path_inputs(), 0.0);
     complete_largest(model, &mut x);
     let first = 2 * transcription.field.coordinates();
-    let controls = &x[first..first + layout.controls()];
+    let controls = &x[first..first + layout.controls];
     local[layout.states()..layout.first_algebraic()].copy_from_slice(controls);
 }
 
@@ -204,7 +204,7 @@ fn local(transcription: &mut Transcription<'_>, k: usize, y: &[f64], shares: &[f
     local.resize(layout.local_variables(), 0.0);
     let field = &mut transcription.field;
     field.locate(&local);
-    for contact in 0..layout.contacts() {
+    for contact in 0..layout.contacts {
         if !layout.moves_in_jumps(contact) {
             local[layout.lifted_gap(contact)] = field.gap(contact);
         }
@@ -280,7 +280,7 @@ fn undecided(transcription: &mut Transcription<'_>, state: &[f64], elapsed: f64)
     local.resize(layout.local_variables(), 0.0);
     let field = &mut transcription.field;
     field.locate(&local);
-    point.extend((0..layout.contacts()).map(|contact| field.gap(contact)));
+    point.extend((0..layout.contacts).map(|contact| field.gap(contact)));
     point.resize(layout.states(), 0.0);
     point.resize(layout.states() + transcription.groups.len(), 0.5);
     point

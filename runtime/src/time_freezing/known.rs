@@ -45,7 +45,7 @@ fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
         .map(|span| &span.weights[..])
         .collect();
     let layout = &transcription.field.layout;
-    let contacts = layout.contacts();
+    let contacts = layout.contacts;
     let modes: Vec<Mode> = of_elements
         .iter()
         .flat_map(|weights| weights[..contacts].iter().map(mode))
@@ -77,9 +77,9 @@ fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
 fn unsigned(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &[bool]) -> Vec<usize> {
     let layout = &transcription.field.layout;
     let elements = &transcription.elements;
-    let is_free = |e: usize, contact: usize| modes[e * layout.contacts() + contact] == Mode::Free;
+    let is_free = |e: usize, contact: usize| modes[e * layout.contacts + contact] == Mode::Free;
     let mut unsigned = Vec::new();
-    for contact in 0..layout.contacts() {
+    for contact in 0..layout.contacts {
         let pairs = layout.stage_pairs_of(contact);
         for (e, element) in elements
             .iter()
@@ -107,9 +107,9 @@ fn unsigned(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &[bool]
         }
     }
     // Where a contact lasts and an element has no stage at its end, the normal velocity there is an error of the scheme.
-    for contact in (0..layout.contacts()).filter(|&i| !layout.bounces(i)) {
+    for contact in (0..layout.contacts).filter(|&i| !layout.bounces(i)) {
         let lasts =
-            |(e, _): &(usize, &Element)| modes[e * layout.contacts() + contact] == Mode::Contact;
+            |(e, _): &(usize, &Element)| modes[e * layout.contacts + contact] == Mode::Contact;
         let lasting = elements.iter().enumerate().filter(lasts);
         let ends = lasting.flat_map(|(_, element)| element.blocks.iter().filter(|b| b.boundary));
         let speed = layout.algebraic(contact, W);
@@ -155,14 +155,14 @@ fn mark_exits(
     vanishes: &mut [bool],
 ) {
     let layout = &transcription.field.layout;
-    let mode = |e: usize, contact: usize| modes.get(e * layout.contacts() + contact);
+    let mode = |e: usize, contact: usize| modes.get(e * layout.contacts + contact);
     for (e, element) in transcription.elements.iter().enumerate() {
         let Some(last) = element.blocks.last() else {
             continue;
         };
         let next = transcription.elements.get(e + 1);
         let goes_on = next.is_some_and(|next| next.interval == element.interval);
-        for contact in 0..layout.contacts() {
+        for contact in 0..layout.contacts {
             let places = match (mode(e, contact), mode(e + 1, contact)) {
                 (Some(Mode::Jump), next) if next != Some(&Mode::Jump) => {
                     let stops = !layout.bounces(contact);

@@ -43,9 +43,9 @@ pub(crate) struct Layout {
     /// Number of coordinates.
     pub(super) n: usize,
     /// Number of contacts that are surfaces. The others, behind them, are dry friction.
-    pub(super) contacts: usize,
+    pub(crate) contacts: usize,
     /// Number of controls.
-    pub(super) controls: usize,
+    pub(crate) controls: usize,
     /// Contacts with friction.
     pub(super) rough: Vec<usize>,
     /// Contacts with restitution.
@@ -62,16 +62,6 @@ impl Layout {
     /// Length of `y = (q, v, t, G, D)`.
     pub(crate) fn states(&self) -> usize {
         self.lifted_gaps().end + self.dipping.len()
-    }
-
-    /// Number of controls.
-    pub(crate) fn controls(&self) -> usize {
-        self.controls
-    }
-
-    /// Number of contacts that are surfaces.
-    pub(crate) fn contacts(&self) -> usize {
-        self.contacts
     }
 
     /// Number of contacts with friction, dry friction among them.

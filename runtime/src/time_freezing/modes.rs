@@ -27,7 +27,7 @@ pub(crate) fn mark_vanishing(transcription: &Transcription<'_>, x: &[f64], vanis
     let zero = BOTH_ZERO * products.fold(0.0, f64::max).sqrt();
     let modes = modes(transcription, x, zero);
     mark_modes(transcription, x, zero, &modes, vanishes);
-    let contacts = transcription.field.layout.contacts();
+    let contacts = transcription.field.layout.contacts;
     conditions::mark_vanishing(transcription, x, vanishes);
     for e in 0..transcription.elements.len() {
         for group in (0..transcription.groups.len())
@@ -86,9 +86,9 @@ fn mark_group(
 /// `zero` is the size up to which both sides of a pair count as zero.
 fn modes(transcription: &Transcription<'_>, x: &[f64], zero: f64) -> Vec<Mode> {
     let mut modes =
-        Vec::with_capacity(transcription.elements.len() * transcription.field.layout.contacts());
+        Vec::with_capacity(transcription.elements.len() * transcription.field.layout.contacts);
     for element in &transcription.elements {
-        for contact in 0..transcription.field.layout.contacts() {
+        for contact in 0..transcription.field.layout.contacts {
             let sum = |k: usize| x[element.sums + SUMS * contact + k];
             let (alpha, ln, beta, lp) = (sum(0), sum(1), sum(2), sum(3));
             modes.push(if alpha < ln || alpha <= zero {
@@ -121,7 +121,7 @@ pub(super) fn mark_modes(
     modes: &[Mode],
     vanishes: &mut [bool],
 ) {
-    let contacts = transcription.field.layout.contacts();
+    let contacts = transcription.field.layout.contacts;
     for (e, element) in transcription.elements.iter().enumerate() {
         for contact in (0..contacts).filter(|&contact| !transcription.field.layout.bounces(contact))
         {
@@ -179,7 +179,7 @@ fn mark_contact(
             continue;
         }
         let step = |i| place(i, ALPHA).map_or(1.0, |alpha| x[alpha]);
-        let steps = (0..transcription.field.layout.contacts()).map(step);
+        let steps = (0..transcription.field.layout.contacts).map(step);
         let theta: f64 = steps.clone().product();
         if theta >= x[w] {
             vanishes[w] = true;

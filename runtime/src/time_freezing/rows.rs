@@ -39,7 +39,7 @@ fn add_start(transcription: &mut Transcription<'_>) {
     let what = "switching functions at the start";
     add_algebraic(transcription, &block, (&[], what));
     if transcription.gaps_are_free() {
-        for contact in 0..transcription.field.layout.contacts() {
+        for contact in 0..transcription.field.layout.contacts {
             add_gap(transcription, &block, contact, what);
         }
     }
@@ -262,7 +262,7 @@ fn add_rates(
             transcription.program.block(&kernel, inputs, scales, uses);
         }
     }
-    for contact in 0..layout.contacts() {
+    for contact in 0..layout.contacts {
         let gap = uses(&[(1, layout.lifted_gap(contact))], 1.0);
         add_contact(transcription, block, contact, &passing, gap.clone());
         let beta = block.variables[layout.algebraic(contact, BETA)];
@@ -318,7 +318,7 @@ fn add_algebraic(
     (clock, name): (&[usize], &str),
 ) {
     let layout = transcription.field.layout.clone();
-    for contact in 0..layout.contacts() {
+    for contact in 0..layout.contacts {
         let place = |offset: usize| layout.algebraic(contact, offset);
         let new = |transcription: &mut Transcription<'_>, value: f64, terms: &[Term]| {
             let row = transcription.row(name, value);
@@ -352,7 +352,7 @@ fn add_algebraic(
             add_terms(transcription, row, block, &[weight]);
         }
     }
-    for contact in 0..layout.contacts() {
+    for contact in 0..layout.contacts {
         let mut before = margin(&layout, contact);
         for (k, other) in layout.edges_of(contact) {
             let row = transcription.row(name, 0.0);
@@ -370,7 +370,7 @@ fn add_algebraic(
     if block.boundary {
         return;
     }
-    for count in 2..=layout.contacts() {
+    for count in 2..=layout.contacts {
         let row = transcription.row(name, 0.0);
         add_terms(transcription, row, block, &[(layout.product(count), 1.0)]);
         let factors = [

@@ -233,7 +233,7 @@ impl<'a> Transcription<'a> {
         local.resize(layout.local_variables(), 0.0);
         self.field.locate(&local);
         let duration = self.program.guessed(self.outer.horizon) / self.task.intervals as f64;
-        for contact in 0..layout.contacts() {
+        for contact in 0..layout.contacts {
             // A bounce falls at the rate a_bar and rises at e^2 a_bar, to the speed e |v_n|.
             let e = self.field.restitution(contact);
             let rise = if e > 0.0 { 1.0 / e } else { 0.0 };
@@ -315,7 +315,7 @@ impl<'a> Transcription<'a> {
         });
         let (mut alike, mut closed) = (Vec::new(), Vec::new());
         if let Guess::Known(intervals) = &self.task.guess {
-            let contacts = 0..self.field.layout.contacts();
+            let contacts = 0..self.field.layout.contacts;
             let turning: Vec<usize> = contacts.filter(|&i| self.field.turns(i)).collect();
             alike = laid_out::alike(&intervals[k], self.task.elements);
             closed = laid_out::closed(&intervals[k], self.task.elements, &turning);

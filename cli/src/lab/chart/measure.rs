@@ -149,11 +149,11 @@ fn measure(
     let (chosen, problem) = (&study.chosen, &study.problem);
     let method = ChosenMethod::from_arguments(arguments)?;
     let settings = &method.settings;
-    let elements = settings.elements().unwrap_or(1);
+    let elements = settings.elements.unwrap_or(1);
     let step = settings
-        .steps()
+        .steps
         .map(|steps| problem.horizon / (steps * elements) as f64);
-    let grain = settings.width().or(settings.tolerance()).or(step);
+    let grain = settings.width.or(settings.tolerance).or(step);
     let point = |error, [seconds, half]: [f64; 2], counts, status| Point {
         arguments: settings.to_string(),
         grain: grain.unwrap_or(f64::NAN),

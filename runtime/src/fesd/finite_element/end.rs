@@ -132,7 +132,7 @@ fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
         };
         if gap <= 4.0 * constraints.gap_rounding || iteration + 1 == MAX_ITERATIONS {
             shift.copy_from_slice(&constraints.velocities);
-            shift[constraints.normals()..constraints.active().len()].fill(0.0);
+            shift[constraints.normals..constraints.active().len()].fill(0.0);
             solve(&mut shift)?;
             subtract(&constraints.directions, &shift, &mut element.end.v);
             return Ok(());

@@ -111,7 +111,7 @@ pub(crate) struct FiniteElement<'a> {
     /// Whether the present factors are those of stages taken apart.
     apart: bool,
     start: State,
-    length: f64,
+    pub(crate) length: f64,
     /// Correction directions: those of the forces at `q_0`, one row a position that is held.
     corrections: Vec<f64>,
     /// Unknowns of all stages, `stages * block`.
@@ -214,15 +214,10 @@ impl<'a> FiniteElement<'a> {
         self.constraints.active()
     }
 
-    /// Physical length of the solved element [s].
-    pub(crate) fn length(&self) -> f64 {
-        self.length
-    }
-
     /// Normal contact accelerations of the active surfaces at stage `m`.
     pub(crate) fn stage_forces(&self, m: usize) -> &[f64] {
         let begin = m * self.block() + self.n;
-        &self.unknowns[begin..begin + self.constraints.normals()]
+        &self.unknowns[begin..begin + self.constraints.normals]
     }
 
     /// Forces of all constraints of contacts at stage `m`: normals, then the friction of contacts that stick.
@@ -268,7 +263,7 @@ impl<'a> FiniteElement<'a> {
         self.unknowns.resize(size, 0.0);
         self.residual.resize(size, 0.0);
         self.pivots.resize(size, 0);
-        let normals = self.constraints.normals();
+        let normals = self.constraints.normals;
         let positions = self.constraints.positions();
         self.corrections.resize(positions * self.n, 0.0);
         self.clock.set_mode(self.tableau.stages(), normals);

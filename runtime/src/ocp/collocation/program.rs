@@ -114,7 +114,7 @@ impl Collocation<'_> {
         }
         let mut x = vec![0.0; variables];
         self.program.initial_point(&mut x);
-        let unit = other.program.objective_unit() / self.program.objective_unit();
+        let unit = other.program.objective_unit / self.program.objective_unit;
         nlp::WarmStart::carried(solution, unit, x, (&known.0, &known.1), barrier)
     }
 

@@ -130,7 +130,7 @@ fn acting(transcription: &Transcription<'_>, span: &Span) -> Vec<usize> {
         let group = layout.slip_group(*i);
         group.is_some_and(|group| span.weights[group].contains(&true))
     };
-    let normal = (0..layout.contacts()).filter(presses);
+    let normal = (0..layout.contacts).filter(presses);
     let tangential = (0..contacts).filter(rubs).map(|i| contacts + i);
     normal.chain(tangential).collect()
 }

@@ -136,7 +136,7 @@ impl Motion<'_> {
         (before, after): (&[f64], &[f64]),
     ) -> Vec<Span> {
         let a_bar = self.system.auxiliary_acceleration;
-        let contacts = 0..self.system.layout.contacts();
+        let contacts = 0..self.system.layout.contacts;
         self.point(before, time, &[], Vec::new());
         let speeds: Vec<f64> = contacts
             .clone()
@@ -261,7 +261,7 @@ impl Motion<'_> {
     /// Shares of the groups while these contacts are pushed.
     fn shares_of_jump(&self, struck: &[usize], falling: bool) -> Vec<f64> {
         let (mut shares, _) = self.shares(&vec![0.0; self.modes.len()]);
-        let contacts = self.system.layout.contacts();
+        let contacts = self.system.layout.contacts;
         for (i, share) in shares.iter_mut().enumerate().take(contacts) {
             if struck.contains(&i) {
                 *share = 0.0;
@@ -291,7 +291,7 @@ impl Motion<'_> {
             Some(falls) => [falls, !falls],
             None => [acts(i), acts(i)],
         };
-        let surfaces = 0..layout.contacts();
+        let surfaces = 0..layout.contacts;
         let rough = (0..self.modes.len()).filter(|&i| layout.slip_group(i).is_some());
         let elastic = surfaces.clone().filter(|&i| layout.bounces(i));
         surfaces
@@ -313,7 +313,7 @@ impl Motion<'_> {
             Some(_) => system.gap(i),
             None => system.gap(i) + depth(i),
         };
-        let contacts = 0..layout.contacts();
+        let contacts = 0..layout.contacts;
         let dips = contacts.clone().filter(|&i| layout.dip(i).is_some());
         let mut point = state.to_vec();
         point.push(time);
@@ -327,7 +327,7 @@ impl Motion<'_> {
     fn shares(&self, provided: &[f64]) -> (Vec<f64>, f64) {
         let layout = &self.system.layout;
         let a_bar = self.system.auxiliary_acceleration;
-        let contacts = 0..layout.contacts();
+        let contacts = 0..layout.contacts;
         let weight = |i: usize| {
             if self.modes[i].is_open() {
                 0.0

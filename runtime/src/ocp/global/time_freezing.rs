@@ -125,7 +125,7 @@ impl<'a> TimeFreezing<'a> {
         let tableau = scheme(settings)?;
         let (lower, upper) = bounds(model);
         let bounds = (&lower[..], &upper[..]);
-        let shape = guess.controls.shape();
+        let shape = guess.controls.shape;
         let units = Units::of_scene(model, guess.horizon, bounds);
         let mut program = Program::new(model);
         let mut frame = Frame::add(&mut program, model, problem, guess, shape, &units, bounds);
@@ -232,7 +232,7 @@ fn task(
     let aimless = declared.is_none_or(|declared| declared.goals.is_empty());
     Task {
         time: 0.0,
-        linear: guess.controls.shape() == ControlShape::Linear,
+        linear: guess.controls.shape == ControlShape::Linear,
         intervals: problem.intervals,
         elements: settings.elements_of(model),
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),

@@ -407,7 +407,7 @@ pub(in crate::ocp) fn confirm(
         finer: at_bounds.finer,
         controls: trajectory.controls.values().to_vec(),
         control_times: trajectory.controls.times(trajectory.horizon),
-        shape: trajectory.controls.shape(),
+        shape: trajectory.controls.shape,
         elements: elements.to_vec(),
         previous: Some(Previous::new(trajectory.clone(), sequence.clone())),
         motion: Some(replay),

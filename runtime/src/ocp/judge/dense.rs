@@ -114,7 +114,7 @@ impl<'a> Dense<'a> {
     /// What path functions read at a time of a step, without forces.
     pub(super) fn input(&self, step: &Step, time: f64) -> Vec<f64> {
         let mut x = self.state(&step.near, time);
-        let u = match self.controls.shape() {
+        let u = match self.controls.shape {
             ControlShape::Constant => self.controls.at(self.place(0.5 * (step.from + step.to))),
             ControlShape::Linear => self.controls.at(self.place(time)),
         };

@@ -26,7 +26,7 @@ pub(in crate::ocp) fn gradient(local: &mut Local) -> Option<OptimumGradient> {
     if indices.is_empty() || variables.iter().any(|&i| i >= program.program.variables()) {
         return None;
     }
-    let unit = program.program.objective_unit();
+    let unit = program.program.objective_unit;
     let moved = moved(&mut program.program, &local.solution, &variables);
     let time_alone = slope_of_time(program, &local.solution.x);
     let (model, horizon, program) = (program.model, program.horizon, &program.program);

@@ -50,7 +50,7 @@ pub(in crate::ocp) fn incumbent(
         excess: forces::excess(&conditions, Vec::new()),
         controls: controls.values().to_vec(),
         control_times: controls.times(driven.horizon),
-        shape: controls.shape(),
+        shape: controls.shape,
         elements: vec![settings.elements; setting.problem.intervals],
         previous: Some(Previous::new(candidate.trajectory, candidate.sequence)),
         motion: Some(motion),

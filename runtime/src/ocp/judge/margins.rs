@@ -11,7 +11,7 @@ use crate::ocp::solution::Margin;
 
 /// The distances that cost something, to first order, the dearest first.
 pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Margin> {
-    let unit = program.program.objective_unit();
+    let unit = program.program.objective_unit;
     let size = program.program.size_of(solution.objective);
     let x = program.program.physical(&solution.x);
     let of_row = |row: usize| (solution.multipliers[row], program.program.row_unit(row));

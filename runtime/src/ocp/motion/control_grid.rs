@@ -52,7 +52,7 @@ pub(in crate::ocp) type Mesh = Vec<Vec<f64>>;
 /// Controls as a function of time, in units of intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::ocp) struct ControlGrid {
-    shape: ControlShape,
+    pub(in crate::ocp) shape: ControlShape,
     /// One vector an interval, or one more where they are linear.
     values: Vec<Vec<f64>>,
     /// Where intervals begin and the last one ends, as shares of the motion; without them all are of equal length.
@@ -112,10 +112,6 @@ impl ControlGrid {
     /// Constant on each interval.
     pub(in crate::ocp) fn constant(values: Vec<Vec<f64>>) -> Self {
         Self::new(ControlShape::Constant, values)
-    }
-
-    pub(in crate::ocp) fn shape(&self) -> ControlShape {
-        self.shape
     }
 
     /// Values of the intervals, or at the nodes.

@@ -148,7 +148,7 @@ impl<'s> Runner<'s> {
     ) -> Ended<nlp::Solution> {
         self.watch
             .begin("collocation", &self.counts, run.best, run.restores);
-        let unit = program.objective_unit();
+        let unit = program.objective_unit;
         let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let mut solution = nlp::solve_from(program, run.settings, run.start, Some(&mut observer))
             .map_err(|error| refused(&mut self.refusal, &error))?;

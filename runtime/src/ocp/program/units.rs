@@ -42,7 +42,7 @@ pub(in crate::ocp) struct Units {
     /// How far goals ask each coordinate to go; 0 where they do not.
     ways: Vec<f64>,
     /// Whether the objective is measured as exactly as it can be.
-    is_exact: bool,
+    pub(in crate::ocp) is_exact: bool,
 }
 
 impl Units {
@@ -258,11 +258,6 @@ impl Units {
     pub(in crate::ocp) fn exact(self) -> Self {
         let is_exact = true;
         Self { is_exact, ..self }
-    }
-
-    /// Whether it is.
-    pub(in crate::ocp) fn is_exact(&self) -> bool {
-        self.is_exact
     }
 
     /// The unit of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller

@@ -60,7 +60,7 @@ impl<'a, 'm> Pressing<'a, 'm> {
             units: attempts.setting.units,
             largest: if counts { largest } else { f64::INFINITY },
             // Where motions are looked for, sequences that nothing presses for are worth a try.
-            distant: if attempts.setting.units.is_exact() {
+            distant: if attempts.setting.units.is_exact {
                 DISTANT
             } else {
                 0.0

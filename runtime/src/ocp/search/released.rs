@@ -83,7 +83,7 @@ impl<'a> AtLeast<'a> {
         };
         let ended = runner.solve(&mut program.program, &run);
         Some(ended.map(|solution| {
-            let size = OPTIMUM * program.program.objective_unit();
+            let size = OPTIMUM * program.program.objective_unit;
             Self {
                 none: OPTIMUM * solution.objective.abs().max(size),
                 program,
@@ -107,7 +107,7 @@ impl<'a> AtLeast<'a> {
                 self.solution.multipliers_lower[length],
                 self.solution.multipliers_upper[length],
             );
-            let unit = program.objective_unit() / program.unit(length);
+            let unit = program.objective_unit / program.unit(length);
             (multipliers.0 - multipliers.1) * unit * interval
         });
         slopes.reduce(f64::min)

@@ -63,8 +63,8 @@ fn placed(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Vec<OnGrid> {
         let reached = placed.iter().find(|(best, _)| best.reaches());
         let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
         let enough = index >= PLACED && least.is_finite();
-        let hopeless = runner.ledger.is_hopeless(word.merit());
-        if enough || hopeless || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
+        let hopeless = runner.ledger.is_hopeless(word.merit);
+        if enough || hopeless || runner.stopped() || word.merit > least + BEYOND * least.abs() {
             continue;
         }
         if let Some(best) = grid.rounded(runner, word) {

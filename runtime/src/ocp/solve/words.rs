@@ -332,7 +332,7 @@ impl Search {
             }
         };
         let reached = words.iter().filter(|word| word.meets());
-        self.bound = reached.map(Timed::merit).reduce(f64::min);
+        self.bound = reached.map(|timed| timed.merit).reduce(f64::min);
         let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
         let units: Vec<Units> = words.iter().map(own).collect();
         let skipped = incumbent.map_or(0, |_| tasks.len() - 1);
@@ -554,7 +554,7 @@ impl Search {
         let mut least = f64::INFINITY;
         for (start, (word, grid)) in words.iter().zip(grids).enumerate() {
             let enough = start >= PLACED && least.is_finite();
-            if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
+            if enough || runner.stopped() || word.merit > least + BEYOND * least.abs() {
                 continue;
             }
             let Some(aligned) = Aligned::of(word, grid.setting.problem.intervals) else {

@@ -124,7 +124,7 @@ pub(in crate::ocp) struct Timed {
     pub(super) motion: Trajectory,
     pub(super) objective: f64,
     /// Objective and price of what is missed.
-    pub(super) merit: f64,
+    pub(in crate::ocp) merit: f64,
     /// By how much goals are missed, in their sizes.
     pub(super) missed: f64,
     /// The price at which they are.
@@ -307,7 +307,7 @@ pub(super) fn solved<'a>(
     let mut from = (guess.clone(), sequence.clone());
     for _ in 0..=MOVES {
         let mut program = transcribe(setting, &from.1, &from.0, &[], elements);
-        goals.begin_at(program.program.objective_size());
+        goals.begin_at(program.program.objective_size);
         let solution = at_price(runner, &mut program, goals, with)?;
         if !program.is_singular(&solution.x) {
             return Some((program, solution));
@@ -328,7 +328,7 @@ fn at_price(
     let mut settings = interior_point(runner.settings);
     // Products of bounds and multipliers are measured in the unit of the objective, which is that of the largest control that is allowed.
     let size = goals.size.unwrap_or(price / PRICE);
-    let small = (size / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
+    let small = (size / program.program.objective_unit).clamp(LEAST_SHARE, 1.0);
     settings.tolerance = small * TOLERANCE;
     settings.constraint_tolerance = TOLERANCE;
     settings.initial_barrier_parameter = small * barrier;
@@ -484,10 +484,6 @@ impl Timed {
 
     pub(in crate::ocp) fn trajectory(&self) -> &Trajectory {
         &self.motion
-    }
-
-    pub(in crate::ocp) fn merit(&self) -> f64 {
-        self.merit
     }
 
     /// Whether it meets its goals.

@@ -99,7 +99,7 @@ impl Grid<'_, '_> {
     ) -> Placed {
         let mut best = placed;
         let mut tried: Vec<Vec<Slot>> = vec![best.places.clone()];
-        let bound = timed.merit() + NEAR * timed.merit().abs();
+        let bound = timed.merit + NEAR * timed.merit.abs();
         let nearby = match runner.settings.uses("near") {
             true => self.nearby(timed),
             false => Vec::new(),
@@ -344,7 +344,7 @@ impl Grid<'_, '_> {
             times: times.collect(),
             merit: solution.objective,
             missed,
-            is_below: solution.objective < timed.merit() - NEAR * timed.merit().abs(),
+            is_below: solution.objective < timed.merit - NEAR * timed.merit.abs(),
             candidate: Candidate {
                 objective: solution.objective,
                 trajectory,

@@ -52,7 +52,7 @@ impl<'a> Detector<'a> {
     fn enclose(&mut self, element: &mut Solved<'_, '_>, now: (&[f64], f64)) {
         let (x, time) = now;
         let n = element.contacts.n;
-        let length = element.element.length();
+        let length = element.element.length;
         self.along.begin(time, length, &element.contacts.pieces);
         for end in [0, 1] {
             let controls = self.along.controls_at(end);
@@ -71,7 +71,7 @@ impl<'a> Detector<'a> {
         motion: Option<&MotionSize>,
     ) -> Result<Option<Switch>, Stop> {
         let of_coordinates = motion.map_or(0.0, |motion| element.position_rounding(motion));
-        let starts = starts(now, of_coordinates, element.length());
+        let starts = starts(now, of_coordinates, element.length);
         let mut solved = Solved {
             element,
             tableau,
@@ -122,7 +122,7 @@ impl<'a> Detector<'a> {
             if let Some(fall) = fall.map_err(|_| Stop::Unresolved)? {
                 let function = starts[fall.function].function;
                 let ends = (fall.left, fall.right);
-                let switch = Switch::between(function, ends, fall.root, element.length());
+                let switch = Switch::between(function, ends, fall.root, element.length);
                 first = earlier(first, switch);
             }
         }
@@ -275,7 +275,7 @@ impl Solved<'_, '_> {
                 let gap = self.contacts.gap(i).abs() - rounding;
                 if gap > 0.0 {
                     let (q, v) = self.x[..2 * n].split_at(n);
-                    drift = drift.max(gap / motion.along(normal, (q, v), element.length()));
+                    drift = drift.max(gap / motion.along(normal, (q, v), element.length));
                 }
             }
         }
@@ -308,7 +308,7 @@ impl Solved<'_, '_> {
             // It starts where the slip ends.
             _ => {
                 let ends = (Sample { at: 0.0, value }, end);
-                let length = self.element.length();
+                let length = self.element.length;
                 Ok(From::Switch(Switch::between(function, ends, 0.0, length)))
             }
         }
@@ -319,7 +319,7 @@ impl Solved<'_, '_> {
     /// Flights lower than the rounding error end in contact.
     fn released(&mut self, start: &Start, until: f64) -> Result<From, Stop> {
         let (function, size) = (start.function, start.size);
-        let depth = DEEP * self.element.length() * size.speed();
+        let depth = DEEP * self.element.length * size.speed();
         let bounced = start.velocity > size.velocity_rounding();
         // Thrown off, and deeper than the local error explains: it has fallen back in a flight that is too low for an element of
         // that length.
@@ -351,7 +351,7 @@ impl Solved<'_, '_> {
             kind: SwitchKind::Reentry,
             contact: i,
         };
-        let length = self.element.length();
+        let length = self.element.length;
         let [from, right] = [0.0, 1.0].map(|at| self.sample(function, at));
         let mut value = |theta| self.value(function, theta);
         let left = positive_before(&mut value, from, from, right, 0.0);

@@ -217,7 +217,7 @@ impl<'a> Driver<'a> {
             self.record_stages(&rates[..stages]);
         }
         let weights = self.setup.tableau.b().iter().copied();
-        let length = self.element.length();
+        let length = self.element.length;
         self.now.numerical_time +=
             length * self.element.numerical_length(&rates[..stages], weights);
         self.control
@@ -245,7 +245,7 @@ impl<'a> Driver<'a> {
     /// Records the inner stages of the solved element; `rates` are those of numerical time.
     fn record_stages(&mut self, rates: &[f64]) {
         let (now, tableau) = (&mut self.now, self.setup.tableau);
-        let length = self.element.length();
+        let length = self.element.length;
         for (m, _) in tableau
             .c()
             .iter()

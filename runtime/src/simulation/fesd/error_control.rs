@@ -86,7 +86,7 @@ impl ErrorControl {
             // So far off, Newton's method may have found stages that have nothing to do with the motion.
             element.forget();
         }
-        let proposed = element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
+        let proposed = element.length * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
         self.proposed_length = proposed.min(self.longest);
         ratio > 1.0
     }

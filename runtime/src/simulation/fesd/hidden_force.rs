@@ -37,7 +37,7 @@ pub(super) fn acts(driver: &mut Driver<'_>, share: f64) -> bool {
     let parts: Vec<[f64; 2]> = parts
         .map(|part| part.map(|at| (at / share).min(1.0)))
         .collect();
-    let (n, length) = (driver.now.state.v.len(), share * element.length());
+    let (n, length) = (driver.now.state.v.len(), share * element.length);
     let mut weights = vec![0.0; driver.setup.tableau.stages()];
     let mut x = driver.now.x.clone();
     let functions = Function::of_mode(&driver.now).into_iter();

@@ -23,13 +23,13 @@ pub(super) fn locate(
 ) -> Result<Switch, Stop> {
     for _ in 0..=2 * driver.setup.contacts().len() {
         locate_one(driver, switch, longest, count)?;
-        let mut length = driver.element.length();
+        let mut length = driver.element.length;
         let function = switch.function;
         if function.kind == SwitchKind::Exit && !driver.setup.settings.exit_condition {
             length = earliest_release(driver, function.contact, length, longest, count)?;
         }
         // One element of the length of the last evaluation is the located one.
-        let solved = count == 1 && length == driver.element.length();
+        let solved = count == 1 && length == driver.element.length;
         let Some(mut other) = accept_located(driver, switch, (length, count), solved)? else {
             return Ok(switch);
         };

@@ -410,7 +410,7 @@ fn segment(
             violation = Some((switch, count));
             break;
         }
-        let length = driver.element.length();
+        let length = driver.element.length;
         if driver.control.strays(driver.detector.drift, length) {
             return Ok(Segment::Rejected);
         }

@@ -390,7 +390,7 @@ impl<'a> Dynamics<'a> {
                 let scale = &mut self.scales[i];
                 scale.observe_switch(speed);
                 let zero = scale.zero_sliding_velocity();
-                let soft = EXPLICIT * scale.sliding_velocity();
+                let soft = EXPLICIT * scale.sliding_velocity;
                 self.view.measure_sliding(i, soft, zero);
                 if self.mode.states[i].slips() {
                     self.align(i, None);
@@ -586,12 +586,12 @@ impl<'a> Dynamics<'a> {
 
     /// Rounding error of a gap.
     pub(super) fn gap_rounding(&self, contact: usize) -> f64 {
-        self.scales[contact].rounding()
+        self.scales[contact].rounding
     }
 
     /// By how much the way of the motion has changed a gap.
     pub(in crate::simulation) fn gap_range(&self, contact: usize) -> f64 {
-        self.scales[contact].range()
+        self.scales[contact].range
     }
 
     /// Flights lower than this are none.
@@ -614,12 +614,12 @@ impl<'a> Dynamics<'a> {
     /// Sizes of the gap, the normal and the sliding velocity of a contact that is held: at least of what forces like the present ones
     /// could make of them in the longest moment.
     pub(in crate::simulation) fn held_sizes(&self, contact: usize) -> [f64; 3] {
-        let (scale, moment) = (&self.scales[contact], self.scales[contact].longest());
+        let (scale, moment) = (&self.scales[contact], self.scales[contact].longest);
         let speed = moment * self.switching.force_floor[contact];
         [
-            scale.range().max(moment * speed),
-            scale.normal_velocity().max(speed),
-            scale.sliding_velocity().max(speed),
+            scale.range.max(moment * speed),
+            scale.normal_velocity.max(speed),
+            scale.sliding_velocity.max(speed),
         ]
     }
 

@@ -75,7 +75,7 @@ fn solve_again(dynamics: &mut Dynamics<'_>, rows: usize) -> Option<f64> {
     let (view, equations) = (&dynamics.view, &mut dynamics.equations);
     if equations.banded {
         equations.band.solve(&mut equations.right[..rows]);
-        return Some(equations.band.sign());
+        return Some(equations.band.sign);
     }
     equations.matrix.clone_from(&equations.couplings);
     equations.wanted.clear();

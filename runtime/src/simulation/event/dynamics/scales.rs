@@ -15,17 +15,17 @@ const LOWEST_FLIGHT: f64 = 1e-14;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ContactScale {
     /// Rounding error of the gap where it was last measured.
-    rounding: f64,
+    pub(super) rounding: f64,
     /// By how much the way of the motion has changed the gap.
-    range: f64,
+    pub(super) range: f64,
     /// Sum of the terms of the normal velocity.
-    normal_velocity: f64,
+    pub(super) normal_velocity: f64,
     /// Sum of the terms of the sliding velocity.
-    sliding_velocity: f64,
+    pub(super) sliding_velocity: f64,
     /// Rounding error that the place leaves in the normal velocity.
     turn: f64,
     /// Longest moment so far.
-    longest: f64,
+    pub(super) longest: f64,
 }
 
 /// State and acceleration at an instant, and a time over which the motion is smooth.
@@ -130,11 +130,6 @@ impl ContactScale {
         self.rounding = self.rounding.max(error);
     }
 
-    /// By how much the way of the motion has changed the gap.
-    pub(super) fn range(&self) -> f64 {
-        self.range
-    }
-
     /// Below this gap the contact is closed.
     pub(super) fn closed_gap(&self) -> f64 {
         (yardstick::ROUNDING * self.range).max(ROUNDINGS * self.rounding)
@@ -143,11 +138,6 @@ impl ContactScale {
     /// Flights lower than this are none.
     pub(super) fn lowest_flight(&self) -> f64 {
         (LOWEST_FLIGHT * self.range).max(self.rounding)
-    }
-
-    /// Rounding error of the gap.
-    pub(super) fn rounding(&self) -> f64 {
-        self.rounding
     }
 
     /// Below this normal velocity the contact is at rest.
@@ -168,21 +158,6 @@ impl ContactScale {
     /// Takes note of the terms of the function of a switch.
     pub(super) fn observe_switch(&mut self, terms: f64) {
         self.sliding_velocity = self.sliding_velocity.max(terms);
-    }
-
-    /// Longest moment so far \[s\].
-    pub(super) fn longest(&self) -> f64 {
-        self.longest
-    }
-
-    /// Size of the terms of the normal velocity.
-    pub(super) fn normal_velocity(&self) -> f64 {
-        self.normal_velocity
-    }
-
-    /// Size of the terms of the sliding velocity.
-    pub(super) fn sliding_velocity(&self) -> f64 {
-        self.sliding_velocity
     }
 
     /// Below this sliding velocity the contact does not slide.

@@ -80,7 +80,7 @@ pub(in crate::simulation) fn size(dynamics: &Dynamics<'_>, function: usize) -> f
     match dynamics.switch(function) {
         Switch::Gap(i) => dynamics.gap_range(i),
         Switch::SlidingVelocity(i, _) | Switch::HeldVelocity(i) => {
-            dynamics.scales[i].sliding_velocity()
+            dynamics.scales[i].sliding_velocity
         }
         Switch::NormalForce(_) | Switch::FrictionLimit(..) => {
             dynamics.switching.force_scale[function].max(dynamics.switching.force_floor[function])
