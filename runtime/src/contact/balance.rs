@@ -7,7 +7,8 @@ use super::mode_error::ModeError;
 use super::shares::{self, Shares};
 use super::state::ContactState;
 use super::touching::Touching;
-use super::view::{View, dot};
+use super::view::View;
+use crate::linalg::products::{dot, largest};
 use crate::model::pair_size;
 use crate::yardstick;
 
@@ -87,7 +88,6 @@ impl Balance {
         offsets: &[f64],
         solutions: &Solutions,
     ) -> bool {
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let change = |forces: &[f64]| {
             let mut change = vec![0.0; view.n];
             self.push(view, forces, &mut change);

@@ -13,6 +13,7 @@ use super::problem::{Cone, Problem};
 use super::space::solve_in_space;
 use super::state::ContactState;
 use crate::linalg::lcp::{self, LcpError};
+use crate::linalg::products::largest;
 use crate::yardstick;
 
 /// Most decisions that are tried for one solution before states are changed, and where nothing else has found one: some hundred
@@ -30,10 +31,6 @@ const ILL_CONDITIONED: f64 = 1e-7;
 /// Pivot of a matrix with ones on its diagonal above which forces are as well determined as motions: a contact that is left open
 /// although it carries [`yardstick::NOTHING`] of the largest force moves by more than what counts as zero.
 const DEFINITE: f64 = 1e-2;
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| most.max(value.abs()))
-}
-
 /// One solution: the forces of all lines.
 ///
 /// # Errors

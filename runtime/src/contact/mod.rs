@@ -99,4 +99,4 @@ pub(crate) use problem::{Cone, Problem};
 pub(crate) use rest::Rest;
 pub(crate) use state::{ActiveContact, ContactState, find, force_count};
 pub(crate) use touching::Touching;
-pub(crate) use view::{View, dot, sum_of_sizes};
+pub(crate) use view::{View, sum_of_sizes};

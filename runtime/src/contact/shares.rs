@@ -26,6 +26,7 @@ use super::mode_error::ModeError;
 use super::view::View;
 use crate::linalg::dense;
 use crate::linalg::least_norm::LeastNorm;
+use crate::linalg::products::largest;
 use crate::yardstick;
 use nalgebra::{DMatrix, DVector};
 
@@ -136,7 +137,6 @@ impl Shares {
         let wanted: Vec<f64> = right.iter().zip(&rows).map(|(q, row)| q * row).collect();
         let known = LeastNorm::of(&scaled, order).ok_or(ModeError::NotFinite)?;
         let (measured, missed) = known.solve(&wanted);
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let mut shares = Self {
             forces: measured
                 .iter()

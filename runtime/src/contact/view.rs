@@ -3,6 +3,7 @@
 use super::line::Line;
 use super::rest::Rest;
 use crate::linalg::banded::Entry;
+use crate::linalg::products::dot;
 use crate::model::{
     Frame, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground,
     friction_coefficients, kinetic_coefficients, surfaces, tangent_point,
@@ -472,9 +473,4 @@ impl<'a> View<'a> {
 /// Sum of the sizes of the terms of a scalar product.
 pub(crate) fn sum_of_sizes(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x * y).abs()).sum()
-}
-
-/// Scalar product.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

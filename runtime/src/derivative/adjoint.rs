@@ -11,9 +11,10 @@
 
 use super::quantities::Quantities;
 use super::step::Steps;
-use super::tangent::{Tangent, add, dot};
+use super::tangent::{Tangent, add};
 use super::tape::Tape;
 use super::walk::{End, Walk};
+use crate::linalg::products::dot;
 use crate::model::Model;
 use crate::simulation::{InitialValueProblem, Simulation};
 use crate::yardstick;

@@ -6,7 +6,8 @@ use super::jump::{Impact, ended, jump, struck_alone};
 use super::place::Place;
 use super::ranges::Ranges;
 use super::reset;
-use super::tangent::{Tangent, largest};
+use super::tangent::Tangent;
+use crate::linalg::products::largest;
 use crate::simulation::{ContactMode, Event, EventKind};
 use crate::yardstick;
 

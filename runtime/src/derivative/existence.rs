@@ -4,8 +4,9 @@
 use super::event::Cause;
 use super::margins::{Least, Margin, Of};
 use super::place::Place;
-use super::tangent::{Layout, Tangent, add, largest};
+use super::tangent::{Layout, Tangent, add};
 use crate::contact::Line;
+use crate::linalg::products::largest;
 use crate::model::contact_point;
 use crate::simulation::Event;
 use crate::yardstick;

@@ -8,8 +8,9 @@
 
 use super::mode::Acceleration;
 use super::outputs::of_contacts;
-use super::tangent::{Matrix, Tangent, add, largest};
-use crate::contact::{Line, dot, impact};
+use super::tangent::{Matrix, Tangent, add};
+use crate::contact::{Line, impact};
+use crate::linalg::products::{dot, largest};
 use crate::model::tangent_point;
 use crate::simulation::{ContactMode, Direction};
 use crate::yardstick;

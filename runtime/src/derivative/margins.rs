@@ -4,7 +4,8 @@ use super::event::{force_size, friction_left};
 use super::mode::Acceleration;
 use super::place::Place;
 use super::step::stage_input;
-use super::tangent::{Tangent, largest};
+use super::tangent::Tangent;
+use crate::linalg::products::largest;
 use crate::model::{ControlPiece, Switching, contact_point, tangent_point};
 use crate::simulation::ContactMode;
 

@@ -17,6 +17,7 @@ use super::gradient::{Gradient, GradientMode, differentiate_values};
 use super::quantities::By;
 use super::sides::{OneSided, Side};
 use crate::InputError;
+use crate::linalg::products::largest;
 use crate::model::Model;
 use crate::simulation::{EventDriven, InitialValueProblem, Quantity, Simulation, Simulator as _};
 use crate::yardstick;
@@ -235,10 +236,6 @@ fn limits(
 fn root(distance: f64, [far, middle, near]: [f64; 3]) -> f64 {
     let r = std::f64::consts::FRAC_1_SQRT_2;
     2.0 * distance.sqrt() * (r * far - (1.0 + r) * middle + near) / (1.0 - r)
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| value.abs().max(most))
 }
 
 /// The motion with a quantity that is changed by that share of its size.

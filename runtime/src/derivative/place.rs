@@ -4,7 +4,7 @@ use super::cost::Cost;
 use super::mode::{Acceleration, input};
 use super::quantities::Quantities;
 use super::step::{At, STAGES, Step, Steps};
-use super::tangent::largest;
+use crate::linalg::products::largest;
 use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{ContactMode, Direction, InitialValueProblem, Simulation};
 use crate::yardstick;

@@ -9,7 +9,8 @@
 
 use super::cost::Cost;
 use super::mode::{Acceleration, input};
-use super::tangent::{Factors, Layout, Matrix, Tangent, add, largest};
+use super::tangent::{Factors, Layout, Matrix, Tangent, add};
+use crate::linalg::products::largest;
 use crate::model::ControlPiece;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::yardstick;

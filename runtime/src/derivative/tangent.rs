@@ -1,6 +1,7 @@
 //! Derivatives of everything at one place of a motion.
 
 use crate::linalg::dense;
+use crate::linalg::products::dot;
 use crate::model::Model;
 
 /// A dense matrix, row-major.
@@ -273,12 +274,4 @@ pub(super) fn add(to: &mut [f64], factor: f64, from: &[f64]) {
     for (to, from) in to.iter_mut().zip(from) {
         *to += factor * from;
     }
-}
-
-pub(super) fn dot(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(a, b)| a * b).sum()
-}
-
-pub(super) fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| value.abs().max(most))
 }

@@ -1,7 +1,8 @@
 //! What is linear along a motion: its steps, and what events change of derivatives.
 
 use super::step::{Linear, Steps};
-use super::tangent::{Layout, Matrix, add, dot};
+use super::tangent::{Layout, Matrix, add};
+use crate::linalg::products::dot;
 
 /// The linear parts of a walk, in their order.
 #[derive(Default)]

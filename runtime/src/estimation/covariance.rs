@@ -9,7 +9,8 @@
 
 use super::least_squares::Evaluation;
 use super::result::Direction;
-use super::svd::{Svd, dot};
+use super::svd::Svd;
+use crate::linalg::products::dot;
 use crate::model::ParameterDeclaration;
 use crate::yardstick;
 

@@ -10,7 +10,8 @@
 //! Variables at a bound that the misfit presses against stay there for a step; others end at their bounds. Residuals that count
 //! linearly beyond a bound `c` (Huber) enter with the weight `min(1, c/|r|)`, so that the gradient is that of the loss.
 
-use super::svd::{Svd, dot};
+use super::svd::Svd;
+use crate::linalg::products::dot;
 use crate::yardstick;
 
 /// Most steps from one start.

@@ -50,13 +50,10 @@ impl Svd {
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Svd, dot};
+    use super::Svd;
+    use crate::linalg::products::dot;
 
     #[test]
     fn matrix_is_the_product_of_its_singular_values_and_a_dependent_column_gives_a_zero() {

@@ -1,7 +1,8 @@
 //! The velocities that a contact mode holds at zero, and the directions of the forces that hold them.
 
 use super::redundancy::Redundancy;
-use crate::contact::{ActiveContact, dot, force_count, sum_of_sizes};
+use crate::contact::{ActiveContact, force_count, sum_of_sizes};
+use crate::linalg::products::dot;
 use crate::linalg::products::products;
 use crate::model::{
     Frame, Function, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces,

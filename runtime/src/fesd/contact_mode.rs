@@ -6,11 +6,12 @@
 //! follows Coulomb's law with the sliding acceleration. Where both sides of a condition vanish the same
 //! problem one derivative higher decides.
 
-use super::contacts::{Contacts, Line, ModeError, dot, norm};
+use super::contacts::{Contacts, Line, ModeError, norm};
 use crate::contact::{
     ActiveContact, Balance, Cone, ContactState, Decision, Problem, Touching, Vanished, find, law,
     shares, sliding, touching, unbiased_lines,
 };
+use crate::linalg::products::dot;
 use crate::model::pair_size;
 use crate::run::Place;
 use crate::run::sides::{self, Failed, Known};

@@ -4,10 +4,11 @@
 //! contact, which acts along `d_i`, or along `d_i -+ mu_i e_i` while it slips; and `v_t' = 0` for the
 //! friction `s_i` of a sticking contact, which acts along `e_i`.
 
+use crate::linalg::products::dot;
 use crate::yardstick;
 use std::ops::{Deref, DerefMut};
 
-pub(crate) use crate::contact::{Line, ModeError, dot};
+pub(crate) use crate::contact::{Line, ModeError};
 
 use super::contact_size::ContactSize;
 use crate::contact::shares::{self, Shares};

@@ -13,6 +13,7 @@
 pub(crate) mod partition;
 
 use crate::linalg::dense;
+use crate::linalg::products::dot;
 use crate::model::{Function, Model, contact_point, joint_rows, tangent_point};
 
 /// Newton steps of one projection.
@@ -531,10 +532,6 @@ fn solve_sparse(factors: &[f64], x: &mut [f64]) {
             }
         }
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Indices of rows of a positive semidefinite matrix, row-major, that are independent, increasing: of dependent ones those with

@@ -1,6 +1,16 @@
-//! Scalar products of many rows with many columns, of which most vanish.
+//! Scalar products, of two vectors and of many rows with many columns, of which most vanish; and sizes of vectors.
 
 use super::banded::Entry;
+
+/// Scalar product.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Largest size of a component, whatever those are that are not numbers.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
 
 /// The products of all rows of one row-major matrix of `n` columns with all of another one, but for those that vanish, row by row. Their
 /// terms are added in the order of the columns, without those that are zero.

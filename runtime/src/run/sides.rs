@@ -21,6 +21,7 @@
 //!
 //! Source: Filippov, *Differential Equations with Discontinuous Righthand Sides* (1988), paragraphs 15 and 22.
 
+use crate::linalg::products::dot;
 use crate::yardstick;
 use std::ops::DerefMut;
 
@@ -28,7 +29,7 @@ use super::ahead::{Begun, acceleration, ahead, set_sides};
 use super::place::{Place, sizes};
 use super::rest::mixture;
 use super::turns::turns_outwards;
-use crate::contact::{Balance, Line, ModeError, Rest, View, dot};
+use crate::contact::{Balance, Line, ModeError, Rest, View};
 use crate::model::pair_size;
 
 /// Most switches whose sides are tried in all ways; of more, those change that contradict themselves.

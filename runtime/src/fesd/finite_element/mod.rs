@@ -48,6 +48,7 @@ use super::constraints::Constraints;
 use crate::contact::ActiveContact;
 use crate::joints::Joints;
 use crate::linalg::banded::{Banded, Entry};
+use crate::linalg::products::largest;
 use crate::model::{ControlPiece, Frame, Model};
 use crate::rk::ButcherTableau;
 use crate::time_freezing::clock;
@@ -376,9 +377,4 @@ impl<'a> FiniteElement<'a> {
         }
         self.write_time(self.start.time + theta * h, x);
     }
-}
-
-/// The largest size in `values`.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0_f64, |m, v| m.max(v.abs()))
 }

@@ -3,9 +3,10 @@
 use super::shared::{check, check_gaps, judged};
 use crate::Observer;
 use crate::contact::{Balance, Line, Touching};
+use crate::linalg::products::{dot, largest};
 use crate::model::{Model, contact_point, friction_share, pair_size};
 use crate::simulation::event::contact_problem::ContactProblem;
-use crate::simulation::event::dynamics::{Dynamics, dot, largest, motion};
+use crate::simulation::event::dynamics::{Dynamics, motion};
 use crate::simulation::joints::Closed;
 use crate::simulation::other_grid::OtherGrid;
 use crate::simulation::watch::Watch;

@@ -1,7 +1,7 @@
 //! What errors of a step are compared with: the fastest motion so far, so that a tolerance means the same wherever a
 //! scene is and whatever units it is written in.
 
-use super::dynamics::{dot, largest};
+use crate::linalg::products::{dot, largest};
 use crate::model::Declaration;
 use crate::yardstick;
 

@@ -1,6 +1,7 @@
 //! The lengths of elements under error control, and the error of a run without it.
 
 use crate::fesd::finite_element::{FiniteElement, MotionSize, local_error};
+use crate::linalg::products::largest;
 use crate::simulation::InitialValueProblem;
 
 /// Largest share of the horizon that an element may take under error control: a flight has no error, but
@@ -57,7 +58,6 @@ impl ErrorControl {
         let Some(tolerance) = self.tolerance else {
             return;
         };
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let share = tolerance.powf(1.0 / (self.stages as f64 + 1.0));
         let mut length = FIRST * self.horizon;
         let (speed, acceleration) = (largest(v), largest(acceleration));

@@ -12,6 +12,7 @@ mod scales;
 mod switch;
 pub(in crate::simulation) mod switching;
 
+use crate::linalg::products::dot;
 use crate::yardstick;
 pub(in crate::simulation) use laws::Laws;
 use memory::Equations;
@@ -20,7 +21,6 @@ pub(in crate::simulation) use switch::Switch;
 
 use std::ops::{Deref, DerefMut};
 
-pub(in crate::simulation) use crate::contact::dot;
 use crate::contact::{ContactState, Direction, Extent, Line, View, stuck};
 use crate::enclosure::Bounds;
 use crate::joints::Joints;
@@ -645,8 +645,4 @@ fn along(covector: &[f64], a: &[f64], curvature: f64) -> (f64, f64) {
         .fold((curvature, curvature.abs()), |(sum, scale), (n, a)| {
             (sum + n * a, scale + (n * a).abs())
         })
-}
-
-pub(in crate::simulation) fn largest(a: &[f64]) -> f64 {
-    a.iter().fold(0.0, |s, a| s.max(a.abs()))
 }

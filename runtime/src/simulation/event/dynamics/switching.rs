@@ -1,7 +1,8 @@
 //! The values of the switching functions in a contact mode, and what counts as zero.
 
 use super::switch::Switch;
-use super::{Dynamics, dot, rows};
+use super::{Dynamics, rows};
+use crate::linalg::products::dot;
 use crate::model::contact_point;
 use crate::simulation::event::dop853::System;
 use crate::yardstick;
