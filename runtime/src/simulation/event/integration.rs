@@ -20,7 +20,7 @@ use super::ending::Ending;
 use super::error_scale::ErrorScale;
 use super::forces::Forces;
 use super::here::{Here, LowestBounce};
-use super::search::{EventSearch, Found, Outcome, Step};
+use super::search::{EventSearch, Found, Made, Outcome, Step};
 use super::settings::EventDriven;
 use crate::contact::ContactState;
 use crate::enclosure::hide;
@@ -468,7 +468,11 @@ impl<'a> Integration<'a> {
         if !search {
             return Outcome::Nothing;
         }
-        self.search.earliest(dynamics, method, step)
+        self.search.earliest(&mut Made {
+            dynamics,
+            method,
+            step,
+        })
     }
 
     /// Makes the next try shorter than the step of length `h`, in which the events of `contact` cannot be found.

@@ -81,6 +81,13 @@ impl Step<'_> {
     }
 }
 
+/// The step that was just made, by a method on the dynamics of a mode; true steps of other lengths are made again.
+pub(super) struct Made<'s, 'a> {
+    pub(super) dynamics: &'s mut Dynamics<'a>,
+    pub(super) method: &'s mut Dop853,
+    pub(super) step: Step<'s>,
+}
+
 /// An event: which switching function vanishes, and the length of the step that ends there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
@@ -201,26 +208,21 @@ impl<'a> EventSearch<'a> {
     /// The earliest event within the step, whose continuous extension is ready. If there is one,
     /// `method.end()` is the state there, on the surfaces of the active contacts; if there is nothing,
     /// it stays the end of the step.
-    pub(super) fn earliest(
-        &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &mut Dop853,
-        step: Step<'_>,
-    ) -> Outcome {
+    pub(super) fn earliest(&mut self, made: &mut Made<'_, '_>) -> Outcome {
+        let step = made.step;
         self.memory.places.clear();
-        self.end.copy_from_slice(method.end());
+        self.end.copy_from_slice(made.method.end());
         self.false_alarms.fill(0);
         loop {
             let memory = &mut self.memory;
-            let value =
-                |function, theta| memory.interpolated(dynamics, method, step, function, theta);
+            let value = |function, theta| memory.interpolated(made, function, theta);
             let crossing = match earliest_fall(&mut self.along, &self.suspects, value) {
                 Ok(Some(crossing)) => crossing,
                 Ok(None) => break,
                 Err(function) => return Outcome::Unresolved(function),
             };
             let function = crossing.function;
-            match self.polish(dynamics, method, step, crossing) {
+            match self.polish(made, crossing) {
                 Ok(h) => {
                     // A function changes its sign at a pole as well, and a gap where it jumps.
                     let Fall {
@@ -228,7 +230,7 @@ impl<'a> EventSearch<'a> {
                     } = crossing;
                     let last = step.end_values[function];
                     let largest = from.value.abs().max(last.abs());
-                    let kept = match dynamics.switch(function) {
+                    let kept = match made.dynamics.switch(function) {
                         Switch::Gap(_) if left.value > zero => yardstick::VISIBLE * largest,
                         _ => largest,
                     };
@@ -252,12 +254,12 @@ impl<'a> EventSearch<'a> {
                 }
             }
         }
-        for i in 0..dynamics.functions() {
-            if step.end_values[i] < -self.least_zero(dynamics, step, i) {
+        for i in 0..made.dynamics.functions() {
+            if step.end_values[i] < -self.least_zero(made.dynamics, step, i) {
                 return Outcome::Unresolved(i);
             }
         }
-        method.end_mut().copy_from_slice(&self.end);
+        made.method.end_mut().copy_from_slice(&self.end);
         Outcome::Nothing
     }
 
@@ -269,53 +271,36 @@ impl<'a> EventSearch<'a> {
     }
 
     /// Normal velocity of a contact at the end of the last true step.
-    fn normal_velocity(
-        &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &Dop853,
-        t: f64,
-        contact: usize,
-    ) -> f64 {
-        dynamics.load(t, method.end());
-        dynamics.evaluate_contact(contact);
-        dynamics.point(contact)[contact_point::NORMAL_VELOCITY]
+    fn normal_velocity(&mut self, made: &mut Made<'_, '_>, t: f64, contact: usize) -> f64 {
+        made.dynamics.load(t, made.method.end());
+        made.dynamics.evaluate_contact(contact);
+        made.dynamics.point(contact)[contact_point::NORMAL_VELOCITY]
     }
 
     /// Value of a switching function after a true step of length `h`, which ends in `method.end()`.
-    fn stepped(
-        &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &mut Dop853,
-        step: Step<'_>,
-        function: usize,
-        h: f64,
-    ) -> f64 {
+    fn stepped(&mut self, made: &mut Made<'_, '_>, function: usize, h: f64) -> f64 {
+        let step = made.step;
         self.memory.places.clear();
         // Only one function is looked at, at the end.
-        dynamics.leave_gaps(true);
-        method.step(dynamics, step.t, step.y, h);
-        dynamics.leave_gaps(false);
-        if !motion::project(dynamics, step.t + h, method.end_mut()) {
+        made.dynamics.leave_gaps(true);
+        made.method.step(made.dynamics, step.t, step.y, h);
+        made.dynamics.leave_gaps(false);
+        if !motion::project(made.dynamics, step.t + h, made.method.end_mut()) {
             return f64::NAN;
         }
         switching::switching_value(
-            dynamics,
+            made.dynamics,
             function,
             step.t + h,
-            method.end(),
+            made.method.end(),
             &mut self.memory.slope,
         )
     }
 
     /// Length of the true step at whose end the value of the function vanishes; if there is none in the
     /// bracket, the value at its right end.
-    fn polish(
-        &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &mut Dop853,
-        step: Step<'_>,
-        crossing: Fall,
-    ) -> Result<f64, f64> {
+    fn polish(&mut self, made: &mut Made<'_, '_>, crossing: Fall) -> Result<f64, f64> {
+        let step = made.step;
         let Fall {
             function,
             mut from,
@@ -324,28 +309,29 @@ impl<'a> EventSearch<'a> {
             root: theta,
             ..
         } = crossing;
-        let zero = self.least_zero(dynamics, step, function);
-        let range = dynamics.switching.highest[function] - dynamics.switching.lowest[function];
+        let zero = self.least_zero(made.dynamics, step, function);
+        let range =
+            made.dynamics.switching.highest[function] - made.dynamics.switching.lowest[function];
         let resolution = step.resolution();
-        let rounding = ROUNDING * switching::zero_value(dynamics, function);
+        let rounding = ROUNDING * switching::zero_value(made.dynamics, function);
         let sinks = left.value <= rounding || (theta - left.at) * step.h <= resolution;
         if right.at < 1.0 && (sinks || -right.value < SHALLOW * range) {
-            let value = self.stepped(dynamics, method, step, function, right.at * step.h);
+            let value = self.stepped(made, function, right.at * step.h);
             if value >= -zero {
                 return Err(value);
             }
         }
         if sinks {
-            return self.sink(dynamics, method, step, crossing);
+            return self.sink(made, crossing);
         }
         let memory = &mut self.memory;
-        let mut value = |theta| memory.interpolated(dynamics, method, step, function, theta);
+        let mut value = |theta| memory.interpolated(made, function, theta);
         let around = 1e-3 * (right.at - left.at);
         let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
         let slope = (value(after) - value(before)) / ((after - before) * step.h);
         // A function that starts at zero has any sign there: the way back ends where it is positive.
         if from.value <= rounding && left.at > from.at {
-            let value = self.stepped(dynamics, method, step, function, left.at * step.h);
+            let value = self.stepped(made, function, left.at * step.h);
             if value > rounding {
                 from = left;
             }
@@ -356,40 +342,35 @@ impl<'a> EventSearch<'a> {
             guess: theta * step.h,
             slope,
         };
-        self.refine(dynamics, method, step, function, bracket)
+        self.refine(made, function, bracket)
     }
 
     /// Locates a fall where the continuous extension is positive nowhere before it; the true solution may be, for a
     /// while. A flight too low to be seen in the gap ends where it begins to fall.
-    fn sink(
-        &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &mut Dop853,
-        step: Step<'_>,
-        crossing: Fall,
-    ) -> Result<f64, f64> {
+    fn sink(&mut self, made: &mut Made<'_, '_>, crossing: Fall) -> Result<f64, f64> {
+        let step = made.step;
         let Fall {
             function,
             mut left,
             mut right,
             ..
         } = crossing;
-        let rounding = ROUNDING * switching::zero_value(dynamics, function);
+        let rounding = ROUNDING * switching::zero_value(made.dynamics, function);
         let mut width = right.at - left.at;
         let (mut rises, mut falls) = (None, right.at);
         let positive = (0..HALVINGS).find_map(|_| {
             width *= 0.5;
             let at = left.at + width;
-            let value = self.stepped(dynamics, method, step, function, at * step.h);
+            let value = self.stepped(made, function, at * step.h);
             if value <= 0.0 {
                 right = Sample { at, value };
             }
-            if let Switch::Gap(contact) = dynamics.switch(function)
+            if let Switch::Gap(contact) = made.dynamics.switch(function)
                 && rises.is_none()
             {
                 let t = step.t + at * step.h;
-                let velocity = self.normal_velocity(dynamics, method, t, contact);
-                if velocity > ROUNDING * dynamics.zero_normal_velocity(contact) {
+                let velocity = self.normal_velocity(made, t, contact);
+                if velocity > ROUNDING * made.dynamics.zero_normal_velocity(contact) {
                     rises = Some((contact, at));
                 } else {
                     falls = at;
@@ -401,7 +382,7 @@ impl<'a> EventSearch<'a> {
             (Some(sample), _) => left = sample,
             (None, Some((contact, at))) => {
                 let flight = (at * step.h, falls * step.h);
-                return Ok(self.end_of_rise(dynamics, method, step, contact, flight));
+                return Ok(self.end_of_rise(made, contact, flight));
             }
             (None, None) => right = left,
         }
@@ -411,32 +392,31 @@ impl<'a> EventSearch<'a> {
             guess: left.at * step.h,
             slope: (right.value - left.value) / ((right.at - left.at) * step.h),
         };
-        self.refine(dynamics, method, step, function, bracket)
+        self.refine(made, function, bracket)
     }
 
     /// Length of the true step at whose end a contact that rises at the first end of the bracket and falls at the
     /// second one begins to fall, by bisection.
     fn end_of_rise(
         &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &mut Dop853,
-        step: Step<'_>,
+        made: &mut Made<'_, '_>,
         contact: usize,
         (mut rises, mut falls): (f64, f64),
     ) -> f64 {
+        let step = made.step;
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (rises + falls);
             if falls - rises <= step.resolution() {
                 break;
             }
-            self.stepped(dynamics, method, step, contact, middle);
-            if self.normal_velocity(dynamics, method, step.t + middle, contact) > 0.0 {
+            self.stepped(made, contact, middle);
+            if self.normal_velocity(made, step.t + middle, contact) > 0.0 {
                 rises = middle;
             } else {
                 falls = middle;
             }
         }
-        self.root_value = self.stepped(dynamics, method, step, contact, falls);
+        self.root_value = self.stepped(made, contact, falls);
         falls
     }
 
@@ -444,14 +424,13 @@ impl<'a> EventSearch<'a> {
     /// is positive throughout, its value at the right end.
     fn refine(
         &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &mut Dop853,
-        step: Step<'_>,
+        made: &mut Made<'_, '_>,
         function: usize,
         bracket: Bracket,
     ) -> Result<f64, f64> {
-        let zero = self.least_zero(dynamics, step, function);
-        let stepped = |h| Ok(self.stepped(dynamics, method, step, function, h));
+        let step = made.step;
+        let zero = self.least_zero(made.dynamics, step, function);
+        let stepped = |h| Ok(self.stepped(made, function, h));
         let Ok((h, f)) = refine::<Infallible>(stepped, bracket, (zero, step.resolution()));
         self.root_value = f;
         if f <= zero { Ok(h) } else { Err(f) }
@@ -485,33 +464,29 @@ fn named(switch: Switch) -> Option<Interpolated> {
 
 impl Memory {
     /// Value of a switching function on the continuous extension.
-    fn interpolated(
-        &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &Dop853,
-        step: Step<'_>,
-        function: usize,
-        theta: f64,
-    ) -> f64 {
+    fn interpolated(&mut self, made: &mut Made<'_, '_>, function: usize, theta: f64) -> f64 {
+        let step = made.step;
         let t = step.t + theta * step.h;
-        method.interpolate(theta, &mut self.state[..2 * dynamics.n]);
-        let is_force = dynamics.switch(function).is_force();
+        made.method
+            .interpolate(theta, &mut self.state[..2 * made.dynamics.n]);
+        let is_force = made.dynamics.switch(function).is_force();
         if let Some(known) = self.places.iter().find(|known| known.theta == theta)
             && is_force
         {
-            dynamics.load(t, &self.state);
-            dynamics
+            made.dynamics.load(t, &self.state);
+            made.dynamics
                 .switching
                 .force_scale
                 .copy_from_slice(&known.scales);
             return known.values[function];
         }
-        let value = switching::switching_value(dynamics, function, t, &self.state, &mut self.slope);
+        let value =
+            switching::switching_value(made.dynamics, function, t, &self.state, &mut self.slope);
         if is_force && self.places.len() < PLACES_REMEMBERED {
             self.places.push(Place {
                 theta,
-                values: dynamics.switching.values.clone(),
-                scales: dynamics.switching.force_scale.clone(),
+                values: made.dynamics.switching.values.clone(),
+                scales: made.dynamics.switching.force_scale.clone(),
             });
         }
         value
