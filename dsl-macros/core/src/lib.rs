@@ -32,13 +32,6 @@ mod text;
 mod whole;
 mod words;
 
-#[cfg(test)]
-mod formulas;
-#[cfg(test)]
-mod random_texts;
-#[cfg(test)]
-mod testing;
-
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes, page_name};
 pub use text::{LONGEST, TextMistake, in_used, with_used};
