@@ -56,12 +56,6 @@ impl Mistake {
         }
     }
 
-    /// The first and the last token of its place.
-    #[must_use]
-    pub fn place(&self) -> [Span; 2] {
-        [self.place.start, self.place.end]
-    }
-
     /// Tokens that make the compiler underline the place of the mistake.
     fn to_tokens(&self) -> TokenStream {
         if self.warning {
