@@ -1,6 +1,7 @@
 //! What the language says: texts of messages, pages, slips that people make, malformed declarations.
 
 use hangtime_dsl::TextMistake;
+use hangtime_dsl::description::Description;
 
 /// Tests that texts are answered by these messages.
 macro_rules! texts {
@@ -62,6 +63,27 @@ fn mistakes_or_warnings(text: &str) -> Vec<TextMistake> {
             mistakes
         }
     }
+}
+
+/// What is derived of a text without mistakes, and its warnings.
+fn derived(text: &str) -> (Description, Vec<TextMistake>) {
+    let found = hangtime_dsl::describe_text(text, "scene");
+    found.unwrap_or_else(|mistakes| panic!("{mistakes:?}\n{text}"))
+}
+
+/// What is derived of a text without mistakes and warnings.
+fn described(text: &str) -> Description {
+    let (description, warnings) = derived(text);
+    assert!(warnings.is_empty(), "{warnings:?}\n{text}");
+    description
+}
+
+/// A text in the settled style, which stays as it is.
+fn formatted(text: &str) -> String {
+    let format = |text: &str| hangtime_dsl::format_text(text, "s").expect("no mistakes");
+    let formatted = format(text);
+    assert_eq!(format(&formatted), formatted);
+    formatted
 }
 
 /// Messages for a whole declaration, or "accepted".

@@ -1,7 +1,8 @@
 //! Measured motions: what they declare, and what is refused with what to write instead.
 
+use crate::formatted;
 use hangtime_dsl::declaration::Measured;
-use hangtime_dsl::{describe_differentiated, describe_text, format_text};
+use hangtime_dsl::{describe_differentiated, describe_text};
 
 /// A ball with a coefficient that is looked for, and further statements.
 fn scene(further: &str) -> String {
@@ -165,11 +166,7 @@ fn measurements_are_formatted_like_the_statements_around_them() {
     let text = scene(
         "measured  one:\"a.csv\"{y within 1[cm],start{y:2[m],dot(y):0}}\nminimize misfit( one ,huber )",
     );
-    let formatted = format_text(&text, "s").expect("no mistakes");
+    let formatted = formatted(&text);
     let wanted = "measured one: \"a.csv\" { y within 1 [cm], start { y: 2 [m], dot(y): 0 } }\nminimize misfit(one, huber)\n";
     assert!(formatted.ends_with(wanted), "{formatted}");
-    assert_eq!(
-        format_text(&formatted, "s").expect("no mistakes"),
-        formatted
-    );
 }

@@ -41,7 +41,7 @@ fn numbers_may_begin_with_their_point_and_units_have_fractional_powers() {
     assert!(warnings.is_empty(), "{warnings:?}");
     let k = derived.structure.declaration.parameters[0];
     assert_eq!((k.unit, k.default), ("N/m^1.5", 500.0));
-    let formatted = hangtime_dsl::format_text(text, "s").expect("no mistakes");
+    let formatted = crate::formatted(text);
     assert!(formatted.contains("- .25[N/m]*x"), "{formatted}");
 }
 
