@@ -65,18 +65,7 @@ struct Declared<'a> {
 impl Declared<'_> {
     /// The Lagrangian, and behind it the generalized forces.
     fn acting(&self, x: &[f64]) -> Vec<f64> {
-        let mut values: Vec<f64> = Vec::with_capacity(self.acting.operations.len());
-        for operation in &self.acting.operations {
-            let given = |source| match source {
-                Source::Parameter(i) => self.model.parameter(i as usize),
-                Source::Input(i) => x[i as usize],
-                Source::Constant(value) => value,
-                Source::Weight(_) => f64::NAN,
-            };
-            values.push(operation.value(given, |i| values[i as usize]));
-        }
-        let outputs = self.acting.outputs.iter();
-        outputs.map(|&output| values[output as usize]).collect()
+        run(&self.acting, |i| self.model.parameter(i), x)
     }
 
     /// The inputs with `s along` added to the velocities.
@@ -290,6 +279,22 @@ impl Declared<'_> {
         let wanted: Vec<f64> = response.iter().map(|e| e * factor).collect();
         all_equal("friction direction", direction, &wanted)
     }
+}
+
+/// Outputs of a kernel without weights.
+pub(crate) fn run(kernel: &Kernel, parameter: impl Fn(usize) -> f64, x: &[f64]) -> Vec<f64> {
+    let mut values: Vec<f64> = Vec::with_capacity(kernel.operations.len());
+    for operation in &kernel.operations {
+        let given = |source| match source {
+            Source::Parameter(i) => parameter(i as usize),
+            Source::Input(i) => x[i as usize],
+            Source::Constant(value) => value,
+            Source::Weight(_) => f64::NAN,
+        };
+        values.push(operation.value(given, |i| values[i as usize]));
+    }
+    let outputs = kernel.outputs.iter();
+    outputs.map(|&output| values[output as usize]).collect()
 }
 
 fn vector(random: &mut Random, length: usize) -> Vec<f64> {
@@ -548,7 +553,12 @@ fn texts(are_long: bool) -> Vec<(String, String)> {
     if are_long {
         return texts;
     }
-    let random = (0..RANDOM).map(|seed| (format!("random {seed}"), source(&mut Random::new(seed))));
+    let random = (0..RANDOM).map(|seed| {
+        (
+            format!("random {seed}"),
+            source(&mut Random::new(seed)).text,
+        )
+    });
     texts.extend(random);
     texts.sort_by(|a, b| a.1.cmp(&b.1));
     texts.dedup_by(|a, b| a.1 == b.1);

@@ -70,6 +70,16 @@ pub(crate) fn slopes(f: impl Fn(f64) -> Vec<f64>) -> Vec<Near> {
     best
 }
 
+/// Rates of functions of coordinates and of the time, which is the last input, at an input vector `(q, v, ..)`.
+pub(crate) fn rates(n: usize, x: &[f64], functions: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let slopes = slopes(|s| {
+        let ahead = x.iter().enumerate();
+        let ahead = ahead.map(|(i, x_i)| x_i + s * if i < n { x[n + i] } else { 1.0 });
+        functions(&ahead.collect::<Vec<f64>>())
+    });
+    slopes.iter().map(|near| near.value).collect()
+}
+
 /// Whether numbers agree but for roundings of terms of this size, times the condition of what is solved for, and of numbers near one.
 ///
 /// # Errors

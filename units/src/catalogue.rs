@@ -125,36 +125,26 @@ pub(crate) fn lookup(symbol: &str) -> Option<Unit> {
 
 /// A unit that a misspelt symbol may have meant.
 pub(crate) fn suggest(symbol: &str) -> Option<&'static str> {
-    const WORDS: &[(&str, &str)] = &[
-        ("sec", "s"),
-        ("second", "s"),
-        ("seconds", "s"),
-        ("meter", "m"),
-        ("metre", "m"),
-        ("meters", "m"),
-        ("metres", "m"),
-        ("newton", "N"),
-        ("joule", "J"),
-        ("watt", "W"),
-        ("hour", "h"),
-        ("hr", "h"),
-        ("kph", "km/h"),
-        ("kmh", "km/h"),
-        ("mps", "m/s"),
-        ("degree", "deg"),
-        ("degrees", "deg"),
-        ("radian", "rad"),
-        ("radians", "rad"),
-        ("gram", "g"),
-        ("Kg", "kg"),
-        ("KG", "kg"),
-        ("Nm", "N m"),
-        ("hz", "Hz"),
-        ("liter", "L"),
-        ("l", "L"),
-        ("ton", "t"),
+    const WORDS: &[(&[&str], &str)] = &[
+        (&["sec", "second", "seconds"], "s"),
+        (&["meter", "metre", "meters", "metres"], "m"),
+        (&["newton"], "N"),
+        (&["joule"], "J"),
+        (&["watt"], "W"),
+        (&["hour", "hr"], "h"),
+        (&["kph", "kmh"], "km/h"),
+        (&["mps"], "m/s"),
+        (&["degree", "degrees"], "deg"),
+        (&["radian", "radians"], "rad"),
+        (&["gram"], "g"),
+        (&["Kg", "KG"], "kg"),
+        (&["Nm"], "N m"),
+        (&["hz"], "Hz"),
+        (&["liter", "l"], "L"),
+        (&["ton"], "t"),
     ];
-    if let Some(&(_, unit)) = WORDS.iter().find(|(word, _)| *word == symbol) {
+    let mut meant = WORDS.iter();
+    if let Some(&(_, unit)) = meant.find(|(words, _)| words.contains(&symbol)) {
         return Some(unit);
     }
     NAMED

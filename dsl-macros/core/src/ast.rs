@@ -4,7 +4,7 @@ use crate::diagnostics::Place;
 use crate::graph::Profile;
 use crate::words;
 use hangtime_units::Unit;
-use proc_macro2::{Ident, Literal, TokenStream};
+use proc_macro2::{Ident, TokenStream};
 use std::fmt::{self, Write as _};
 
 /// A name as written.
@@ -51,11 +51,8 @@ pub(crate) struct Scene {
     pub(crate) statements: Vec<Statement>,
 }
 
-/// Doc comments: one string literal a line.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Documentation {
-    pub(crate) lines: Vec<Literal>,
-}
+/// Doc comments as plain text.
+pub(crate) type Documentation = String;
 
 /// A unit as written, and what it means.
 #[derive(Debug, Clone)]
@@ -404,28 +401,38 @@ pub(crate) enum Kind {
     },
 }
 
-impl Expr {
-    /// The expressions directly below.
-    pub(crate) fn children(&self) -> Vec<&Self> {
-        match &self.kind {
+/// The expressions directly below one of this kind, to be read or changed.
+macro_rules! below {
+    ($kind:expr, $iter:ident $(, $mutable:tt)?) => {
+        match $kind {
             Kind::Number { .. } | Kind::Name(_) | Kind::Profile { .. } => Vec::new(),
             Kind::Negate(inner) | Kind::Norm(inner) => vec![inner],
             Kind::Chain(first, rest) => {
-                let operands = rest.iter().map(|link| &link.operand);
-                std::iter::once(&**first).chain(operands).collect()
+                let operands = rest.$iter().map(|Link { operand, .. }| operand);
+                std::iter::once(&$($mutable)? **first).chain(operands).collect()
             }
             Kind::Power { base, exponent, .. } => vec![base, exponent],
             Kind::Call {
                 arguments: items, ..
             }
-            | Kind::Vector(items) => items.iter().collect(),
+            | Kind::Vector(items) => items.$iter().collect(),
             Kind::Derivative { argument, .. } => vec![argument],
             Kind::Component { vector, .. } | Kind::Index { vector, .. } => vec![vector],
         }
-    }
+    };
 }
 
 impl Expr {
+    /// The expressions directly below.
+    pub(crate) fn children(&self) -> Vec<&Self> {
+        below!(&self.kind, iter)
+    }
+
+    /// The expressions directly below, to be changed.
+    pub(crate) fn children_mut(&mut self) -> Vec<&mut Self> {
+        below!(&mut self.kind, iter_mut, mut)
+    }
+
     /// Whether it is a number without unit, possibly with sign and arithmetic: such a number is meant in the unit of the
     /// declaration it belongs to.
     pub(crate) fn is_bare(&self) -> bool {
@@ -462,25 +469,6 @@ impl Expr {
     /// Whether it contains a name.
     pub(crate) fn mentions(&self, wanted: &str) -> bool {
         self.any(&|part| matches!(&part.kind, Kind::Name(name) if name.text == wanted))
-    }
-
-    /// The expressions that this one is made of, to be changed.
-    pub(crate) fn children_mut(&mut self) -> Vec<&mut Self> {
-        match &mut self.kind {
-            Kind::Number { .. } | Kind::Name(_) | Kind::Profile { .. } => Vec::new(),
-            Kind::Negate(inner) | Kind::Norm(inner) => vec![inner],
-            Kind::Chain(first, rest) => {
-                let operands = rest.iter_mut().map(|link| &mut link.operand);
-                std::iter::once(&mut **first).chain(operands).collect()
-            }
-            Kind::Power { base, exponent, .. } => vec![base, exponent],
-            Kind::Call {
-                arguments: items, ..
-            }
-            | Kind::Vector(items) => items.iter_mut().collect(),
-            Kind::Derivative { argument, .. } => vec![argument],
-            Kind::Component { vector, .. } | Kind::Index { vector, .. } => vec![vector],
-        }
     }
 }
 

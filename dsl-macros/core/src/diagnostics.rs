@@ -56,12 +56,6 @@ impl Mistake {
         }
     }
 
-    /// The first and the last token of its place.
-    #[must_use]
-    pub fn place(&self) -> [Span; 2] {
-        [self.place.start, self.place.end]
-    }
-
     /// Tokens that make the compiler underline the place of the mistake.
     fn to_tokens(&self) -> TokenStream {
         if self.warning {
@@ -304,28 +298,8 @@ pub(crate) fn closest<'a>(
 
 /// Edit distance with transpositions of neighbours; a difference in case alone counts nothing.
 fn distance(a: &str, b: &str) -> usize {
-    let a: Vec<char> = a.to_lowercase().chars().take(64).collect();
-    let b: Vec<char> = b.to_lowercase().chars().take(64).collect();
-    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for (i, row) in rows.iter_mut().enumerate() {
-        row[0] = i;
-    }
-    for (j, cell) in rows[0].iter_mut().enumerate() {
-        *cell = j;
-    }
-    for i in 1..=a.len() {
-        for j in 1..=b.len() {
-            let change = usize::from(a[i - 1] != b[j - 1]);
-            let mut best = (rows[i - 1][j] + 1)
-                .min(rows[i][j - 1] + 1)
-                .min(rows[i - 1][j - 1] + change);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                best = best.min(rows[i - 2][j - 2] + 1);
-            }
-            rows[i][j] = best;
-        }
-    }
-    rows[a.len()][b.len()]
+    let compared = |text: &str| text.to_lowercase().chars().take(64).collect::<String>();
+    strsim::osa_distance(&compared(a), &compared(b))
 }
 
 /// Number of names that differ by their indices only up to which each is listed.

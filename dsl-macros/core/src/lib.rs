@@ -32,13 +32,6 @@ mod text;
 mod whole;
 mod words;
 
-#[cfg(test)]
-mod formulas;
-#[cfg(test)]
-mod random_texts;
-#[cfg(test)]
-mod testing;
-
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes, page_name};
 pub use text::{LONGEST, TextMistake, in_used, with_used};
@@ -237,7 +230,7 @@ fn describe_as(
     let mut diagnostics = Diagnostics::default();
     diagnostics.is_data = true;
     match derived(tokens, (parameters, kind), &mut diagnostics) {
-        Ok((_, _, description)) if diagnostics.mistakes() == 0 => {
+        Ok((_, description)) if diagnostics.mistakes() == 0 => {
             Ok((description, in_text(diagnostics.into_mistakes())))
         }
         _ => Err(in_text(diagnostics.into_mistakes())),
@@ -332,7 +325,7 @@ fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
     let text = text::of_declaration(input.clone());
-    let (_, scene, description) = derived(input, (&[], Parameters::Differentiated), diagnostics)?;
+    let (scene, description) = derived(input, (&[], Parameters::Differentiated), diagnostics)?;
     Ok(emit::scene(&scene, &description, &text))
 }
 
@@ -341,7 +334,7 @@ fn derived(
     input: TokenStream,
     (parameters, kind): (&[&str], Parameters),
     diagnostics: &mut Diagnostics,
-) -> Checked<(ast::Scene, scene::CheckedScene, Description)> {
+) -> Checked<(scene::CheckedScene, Description)> {
     graph::reset();
     let declared = parse::scene(input, diagnostics)?;
     let mut scene = check::scene(&declared, diagnostics)?;
@@ -402,7 +395,7 @@ fn derived(
         Unfit::Exhausted => diagnostics.report("E22", place, too_large(&scene)),
         Unfit::Constant => diagnostics.report("E21", place, DERIVED_CONSTANT),
     })?;
-    Ok((declared, scene, description))
+    Ok((scene, description))
 }
 
 /// What is said where not a formula of the declaration but what follows from it is too long.

@@ -1,35 +1,15 @@
 //! A page about each mistake that a declaration, or the start of a simulation, can contain.
 
+/// Codes with the pages that stand in files of their names.
+macro_rules! pages {
+    ($($code:literal)+) => { [$(($code, include_str!(concat!("pages/", $code, ".md")))),+] };
+}
+
 /// Codes and pages, in order.
-const PAGES: [(&str, &str); 27] = [
-    ("E01", include_str!("pages/E01.md")),
-    ("E02", include_str!("pages/E02.md")),
-    ("E03", include_str!("pages/E03.md")),
-    ("E04", include_str!("pages/E04.md")),
-    ("E05", include_str!("pages/E05.md")),
-    ("E06", include_str!("pages/E06.md")),
-    ("E07", include_str!("pages/E07.md")),
-    ("E08", include_str!("pages/E08.md")),
-    ("E09", include_str!("pages/E09.md")),
-    ("E10", include_str!("pages/E10.md")),
-    ("E11", include_str!("pages/E11.md")),
-    ("E12", include_str!("pages/E12.md")),
-    ("E13", include_str!("pages/E13.md")),
-    ("E14", include_str!("pages/E14.md")),
-    ("E15", include_str!("pages/E15.md")),
-    ("E16", include_str!("pages/E16.md")),
-    ("E17", include_str!("pages/E17.md")),
-    ("E18", include_str!("pages/E18.md")),
-    ("E19", include_str!("pages/E19.md")),
-    ("E20", include_str!("pages/E20.md")),
-    ("E21", include_str!("pages/E21.md")),
-    ("E22", include_str!("pages/E22.md")),
-    ("E23", include_str!("pages/E23.md")),
-    ("E24", include_str!("pages/E24.md")),
-    ("E25", include_str!("pages/E25.md")),
-    ("E26", include_str!("pages/E26.md")),
-    ("E27", include_str!("pages/E27.md")),
-];
+const PAGES: [(&str, &str); 27] = pages! {
+    "E01" "E02" "E03" "E04" "E05" "E06" "E07" "E08" "E09" "E10" "E11" "E12" "E13" "E14"
+    "E15" "E16" "E17" "E18" "E19" "E20" "E21" "E22" "E23" "E24" "E25" "E26" "E27"
+};
 
 /// The name of the page about mistakes that have no code, and its text.
 const SYNTAX: (&str, &str) = ("syntax", include_str!("pages/syntax.md"));

@@ -50,9 +50,10 @@ impl TextMistake {
 
     /// A mistake in tokens of the text.
     pub(crate) fn of(mistake: Mistake) -> Self {
-        let [first, last] = mistake.place().map(|span| span.byte_range());
+        let start = mistake.place.start.byte_range().start;
+        let end = mistake.place.end.byte_range().end;
         Self {
-            place: first.start..last.end.max(first.start),
+            place: start..end.max(start),
             code: mistake.code,
             message: mistake.message,
             warning: mistake.warning,

@@ -380,19 +380,7 @@ mod tests {
     fn functions_have_their_values_in_their_ranges_and_not_much_more() {
         use Function::*;
         let of = crate::model::tape::Profile::of;
-        let all = [
-            Sin,
-            Cos,
-            Tan,
-            Asin,
-            Acos,
-            Atan,
-            Sinh,
-            Cosh,
-            Tanh,
-            Exp,
-            Ln,
-            Cbrt,
+        let others = [
             Root,
             InverseRoot,
             Abs,
@@ -401,7 +389,7 @@ mod tests {
             Profile(of(&HAT, 1)),
             Profile(of(&HAT, 2)),
         ];
-        for function in all {
+        for function in Function::NAMED.into_iter().chain(others) {
             for (k, width) in [0.01, 0.3, 1.1, 2.9, 7.0].into_iter().enumerate() {
                 let low = -3.3 + 1.37 * k as f64;
                 let range = Range::between(low, low + width).call(function);

@@ -29,7 +29,7 @@ pub(super) fn minimize(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -
 /// of the motion as a whole.
 fn split(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<Value> {
     if !expr.calls(words::INTEGRAL) {
-        return final_term(checker, expr, weight, cost);
+        return term(checker, (expr, Over::End), weight, cost);
     }
     match &expr.kind {
         Kind::Negate(inner) => split(checker, inner, -weight, cost),
@@ -69,7 +69,7 @@ fn split(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -
             function,
             arguments,
         } if function.text == words::INTEGRAL => match arguments.as_slice() {
-            [argument] if !argument.calls(words::INTEGRAL) => running_term(checker, argument, weight, cost),
+            [argument] if !argument.calls(words::INTEGRAL) => term(checker, (argument, Over::Instants), weight, cost),
             [argument] => Err(meaningless(checker,
                 argument.place,
                 "`integral` inside `integral`: a running cost is integrated once, over the motion; \
@@ -107,24 +107,29 @@ fn factor(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Number> {
     Ok(value)
 }
 
-fn running_term(
+/// A term of the objective: at each instant, or at the end.
+fn term(
     checker: &mut Checker<'_>,
-    expr: &Expr,
+    (expr, over): (&Expr, Over),
     weight: Sym,
     cost: &mut Cost,
 ) -> Checked<Value> {
+    let is_running = over == Over::Instants;
     checker.scope.takes_apart = true;
-    let own = in_role(checker, Role::Running, |checker| checker.number(expr));
+    let own = match is_running {
+        true => in_role(checker, Role::Running, |checker| checker.number(expr)),
+        false => at_the_end(checker, expr, "the final cost"),
+    };
     checker.scope.takes_apart = false;
     let own = own?;
     let value = own.sym;
     if !moves(checker, value) {
-        return Err(meaningless(
-            checker,
-            expr.place,
-            format!(
-                "the integral of the constant `{expr}` is that times the final time; write `{}`",
-                match &expr.kind {
+        let message = match &expr.kind {
+            _ if !is_running => format!(
+                "`{expr}` is the same for every motion, so it cannot be minimized; leave it out"
+            ),
+            kind => {
+                let product = match kind {
                     Kind::Number {
                         value, unit: None, ..
                     } if *value == 1.0 => "time".to_owned(),
@@ -134,42 +139,25 @@ fn running_term(
                         format!("({expr})*time")
                     }
                     _ => format!("{expr}*time"),
-                }
-            ),
-        ));
+                };
+                format!(
+                    "the integral of the constant `{expr}` is that times the final time; write `{product}`"
+                )
+            }
+        };
+        return Err(meaningless(checker, expr.place, message));
     }
     smooth(value, expr, checker)?;
-    let value = epigraph::lifted(checker, (value, expr), weight, Over::Instants)?;
-    let known = cost.running.unwrap_or(Sym::ZERO);
-    cost.running = Some(known + weight * value);
-    let unit = own.unit.times(&checker.scope.units.second());
+    let value = epigraph::lifted(checker, (value, expr), weight, over)?;
+    let (part, unit) = match is_running {
+        true => (
+            &mut cost.running,
+            own.unit.times(&checker.scope.units.second()),
+        ),
+        false => (&mut cost.terminal, own.unit.clone()),
+    };
+    *part = Some(part.unwrap_or(Sym::ZERO) + weight * value);
     Ok(Value::Scalar(own.in_unit(unit)))
-}
-
-fn final_term(
-    checker: &mut Checker<'_>,
-    expr: &Expr,
-    weight: Sym,
-    cost: &mut Cost,
-) -> Checked<Value> {
-    checker.scope.takes_apart = true;
-    let own = at_the_end(checker, expr, "the final cost");
-    checker.scope.takes_apart = false;
-    let own = own?;
-    let value = own.sym;
-    if !moves(checker, value) {
-        return Err(meaningless(
-            checker,
-            expr.place,
-            format!(
-                "`{expr}` is the same for every motion, so it cannot be minimized; leave it out"
-            ),
-        ));
-    }
-    let value = epigraph::lifted(checker, (value, expr), weight, Over::End)?;
-    let known = cost.terminal.unwrap_or(Sym::ZERO);
-    cost.terminal = Some(known + weight * value);
-    Ok(Value::Scalar(own))
 }
 
 /// A number at the final instant, where a control has no value.

@@ -140,6 +140,18 @@ impl<'a> Builder<'a> {
         self.add(name, outputs, false)
     }
 
+    /// Adds kernels of lower and upper bounds, infinite where none is declared; their indices.
+    pub(super) fn bounds(
+        &mut self,
+        [lower, upper]: [&str; 2],
+        bounds: impl Iterator<Item = Option<(Sym, Sym)>>,
+    ) -> (usize, usize) {
+        let open = [f64::NEG_INFINITY, f64::INFINITY].map(Sym::number);
+        let bounds = bounds.map(|bounds| bounds.unwrap_or(open.into()));
+        let (low, high): (Vec<Sym>, Vec<Sym>) = bounds.unzip();
+        (self.unlisted(lower, &low), self.unlisted(upper, &high))
+    }
+
     fn add(&mut self, name: &str, outputs: &[Sym], listed: bool) -> usize {
         let tape = if self.scene.coordinates.len() > WRITTEN_OUT {
             self.renamed.shortest(outputs)

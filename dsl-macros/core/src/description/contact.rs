@@ -1,7 +1,7 @@
 //! The functions of one contact.
 
 use super::builder::{Builder, Vectors, pattern, places};
-use super::declared::{documentation, inferred};
+use super::declared::inferred;
 use crate::declaration::{
     ContactDeclaration, FrictionDeclaration, ImpactLaw, SparsityPattern, Switching, list, text,
 };
@@ -165,7 +165,7 @@ pub(super) fn surface(
         alternatives: list(declared.alternatives.iter().copied()),
         jacobian,
         hessian,
-        documentation: documentation(&declared.documentation),
+        documentation: text(&declared.documentation),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is declared: names, units, documentation.
 
-use crate::ast::{Documentation, WrittenUnit};
+use crate::ast::WrittenUnit;
 use crate::declaration::{ParameterDeclaration, VariableDeclaration, list, text};
 use crate::scene;
 use hangtime_units::Unit;
@@ -11,7 +11,7 @@ pub(super) fn parameter(parameter: &scene::Parameter) -> ParameterDeclaration {
         unit: unit(parameter.unit.as_ref()),
         default: parameter.default,
         positive: is_inertia(parameter.unit.as_ref()),
-        documentation: documentation(&parameter.documentation),
+        documentation: text(&parameter.documentation),
     }
 }
 
@@ -20,7 +20,7 @@ pub(super) fn variables(variables: &[scene::Coordinate]) -> &'static [VariableDe
     list(variables.iter().map(|variable| VariableDeclaration {
         name: text(&variable.name.text),
         unit: unit(variable.unit.as_ref()),
-        documentation: documentation(&variable.documentation),
+        documentation: text(&variable.documentation),
     }))
 }
 
@@ -40,53 +40,4 @@ fn is_inertia(written: Option<&WrittenUnit>) -> bool {
         written.unit.same_dimension(Unit::mechanical(0, 1, 0))
             || written.unit.same_dimension(Unit::mechanical(2, 1, 0))
     })
-}
-
-pub(super) fn documentation(documentation: &Documentation) -> &'static str {
-    text(&documentation_text(documentation))
-}
-
-/// Doc comments as plain text.
-pub(crate) fn documentation_text(documentation: &Documentation) -> String {
-    let lines: Vec<String> = documentation
-        .lines
-        .iter()
-        .map(|line| unquote(&line.to_string()).trim().to_owned())
-        .collect();
-    lines.join("\n").trim().to_owned()
-}
-
-/// The content of a string literal.
-fn unquote(literal: &str) -> String {
-    if let Some(raw) = literal.strip_prefix('r') {
-        return raw.trim_matches('#').trim_matches('"').to_owned();
-    }
-    let inner = literal
-        .strip_prefix('"')
-        .and_then(|rest| rest.strip_suffix('"'))
-        .unwrap_or(literal);
-    let mut text = String::with_capacity(inner.len());
-    let mut characters = inner.chars();
-    while let Some(character) = characters.next() {
-        if character != '\\' {
-            text.push(character);
-            continue;
-        }
-        match characters.next() {
-            Some('n') => text.push('\n'),
-            Some('t') => text.push('\t'),
-            Some('r') => text.push('\r'),
-            Some('u') => {
-                let code: String = characters
-                    .by_ref()
-                    .skip(1)
-                    .take_while(|&c| c != '}')
-                    .collect();
-                text.extend(u32::from_str_radix(&code, 16).ok().and_then(char::from_u32));
-            }
-            Some(other) => text.push(other),
-            None => {}
-        }
-    }
-    text
 }

@@ -4,7 +4,6 @@ use super::builder::Builder;
 use super::optimal_control::{Kernels, functions};
 use crate::declaration::{self, Epigraph, list, text};
 use crate::derive::{Equations, given};
-use crate::graph::Sym;
 use crate::scene::CheckedScene;
 
 /// The parameters that are to be found.
@@ -36,17 +35,16 @@ pub(super) fn epigraphs(scene: &CheckedScene) -> &'static [Epigraph] {
 }
 
 pub(super) fn free(builder: &mut Builder<'_>) -> Option<FreeParameters> {
-    let free = &builder.scene.free_parameters;
+    let scene = builder.scene;
+    let free = &scene.free_parameters;
     if free.is_empty() {
         return None;
     }
-    let lower: Vec<Sym> = free.iter().map(|free| free.bounds.0).collect();
-    let upper: Vec<Sym> = free.iter().map(|free| free.bounds.1).collect();
     Some(FreeParameters {
         parameters: list(free.iter().map(|free| usize::from(free.index))),
-        bounds: (
-            builder.unlisted("free_parameters_lower", &lower),
-            builder.unlisted("free_parameters_upper", &upper),
+        bounds: builder.bounds(
+            ["free_parameters_lower", "free_parameters_upper"],
+            free.iter().map(|free| Some(free.bounds)),
         ),
     })
 }

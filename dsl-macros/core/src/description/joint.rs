@@ -1,7 +1,7 @@
 //! Joints: what is declared of them, and their functions.
 
 use super::builder::{Builder, pattern};
-use super::declared::{documentation, inferred};
+use super::declared::inferred;
 use crate::declaration::{JointDeclaration, JointsDeclaration, list, text};
 use crate::derive::JointEquations;
 
@@ -23,7 +23,7 @@ pub(super) fn joints(
         list: list(builder.scene.joints.iter().map(|joint| JointDeclaration {
             name: text(&joint.name.text),
             unit: inferred(joint.unit),
-            documentation: documentation(&joint.documentation),
+            documentation: text(&joint.documentation),
             rows: joint.rows.len(),
             holonomic: joint.holonomic,
         })),

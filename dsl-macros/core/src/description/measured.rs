@@ -1,7 +1,8 @@
 //! Measured motions.
 
 use super::builder::Builder;
-use super::declared::{documentation, inferred, unit};
+use super::declared::unit;
+use super::shown::output_unit;
 use crate::declaration::{Experiment, Measured, MeasuredQuantity, list, text};
 
 /// The kernels of the initial coordinates and velocities of a motion that has a start of its own.
@@ -14,7 +15,7 @@ pub(super) fn experiments(
     let scene = builder.scene;
     let declared = list(scene.experiments.iter().map(|known| Experiment {
         name: text(&known.name.text),
-        documentation: documentation(&known.documentation),
+        documentation: text(&known.documentation),
         file: text(&known.file),
         quantities: list(known.quantities.iter().map(|&(measured, within)| {
             let (name, unit) = called(builder, measured);
@@ -62,11 +63,7 @@ fn called(builder: &Builder<'_>, measured: Measured) -> (String, &'static str) {
         }
         Measured::Output(k) => {
             let output = &scene.outputs[k];
-            let unit = match &output.unit {
-                Some(_) => unit(output.unit.as_ref()),
-                None => inferred(output.inferred),
-            };
-            (output.name.text.clone(), unit)
+            (output.name.text.clone(), output_unit(output))
         }
     }
 }

@@ -21,7 +21,6 @@ mod shown;
 pub use crate::graph::{Function, Function2, Profile, Spline, inverse_root, piecewise, root};
 pub use builder::{Inertia, Places, System, Vectors};
 pub use contact::{Contact, Friction, Rows, SolvedRows, Solver};
-pub(crate) use declared::documentation_text;
 pub use design::{FreeParameters, Held};
 pub use explicit::ExplicitFunction;
 pub use joint::Joints;
@@ -38,7 +37,7 @@ use crate::derive::{Equations, Explicit, Solution};
 use crate::graph::{self, Stage, Sym};
 use crate::scene::CheckedScene;
 use builder::Builder;
-use declared::{documentation, parameter, variables};
+use declared::{parameter, variables};
 
 /// Most operations of one kernel that is compiled: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
@@ -170,7 +169,7 @@ impl Description {
         let declaration =
             Declaration {
                 name: text(&scene.name.text),
-                documentation: documentation(&scene.documentation),
+                documentation: text(&scene.documentation),
                 parameters: list(scene.parameters.iter().map(parameter)),
                 coordinates: variables(&scene.coordinates),
                 controls: variables(&scene.controls),
@@ -329,12 +328,7 @@ fn motion(builder: &mut Builder<'_>, equations: &Equations) -> (Motion, [Sparsit
 
 fn given(builder: &mut Builder<'_>) -> Given {
     let scene = builder.scene;
-    let bound = |open: f64, pick: fn((Sym, Sym)) -> Sym| -> Vec<Sym> {
-        let quantities = scene.coordinates.iter().chain(&scene.controls);
-        quantities
-            .map(|quantity| quantity.bounds.map_or(Sym::number(open), pick))
-            .collect()
-    };
+    let bounded = scene.coordinates.iter().chain(&scene.controls);
     let horizon = scene.horizon;
     let horizon = horizon.map(|horizon| builder.unlisted("horizon", &[horizon]));
     let positive: Vec<Sym> = scene.positive.iter().map(|known| known.value).collect();
@@ -348,9 +342,9 @@ fn given(builder: &mut Builder<'_>) -> Given {
             builder.unlisted("start_coordinates", &scene.start.0),
             builder.unlisted("start_velocities", &scene.start.1),
         ),
-        bounds: (
-            builder.unlisted("lower_bounds", &bound(f64::NEG_INFINITY, |(low, _)| low)),
-            builder.unlisted("upper_bounds", &bound(f64::INFINITY, |(_, high)| high)),
+        bounds: builder.bounds(
+            ["lower_bounds", "upper_bounds"],
+            bounded.map(|quantity| quantity.bounds),
         ),
     }
 }

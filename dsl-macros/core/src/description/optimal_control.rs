@@ -1,12 +1,11 @@
 //! The functions of optimal control.
 
 use super::builder::{Builder, pattern};
-use super::declared::{documentation, inferred};
+use super::declared::inferred;
 use crate::declaration::{
     ConstraintDeclaration, ContactTerms, OptimalControlDeclaration, SparsityPattern, list, text,
 };
 use crate::derive::{ControlEquations, Explicit, resets};
-use crate::graph::Sym;
 use crate::scene;
 
 /// Kernels of some functions: values, Jacobian, and Hessian (lower triangle) of their weighted sum.
@@ -37,18 +36,8 @@ pub(super) fn optimal_control(
     builder.at_the_end = false;
     let (impact, [impact_jacobian, impact_hessian]) = functions(builder, "impact", &derived.impact);
     let free_start_bounds = (!declared.free_start.is_empty()).then(|| {
-        let bound = |open: f64, pick: fn((Sym, Sym)) -> Sym| -> Vec<Sym> {
-            let bounds = declared.free_start.iter();
-            bounds
-                .map(|&(_, bounds)| bounds.map_or(Sym::number(open), pick))
-                .collect()
-        };
-        let lower = bound(f64::NEG_INFINITY, |(low, _)| low);
-        let upper = bound(f64::INFINITY, |(_, high)| high);
-        (
-            builder.unlisted("free_start_lower", &lower),
-            builder.unlisted("free_start_upper", &upper),
-        )
+        let bounds = declared.free_start.iter().map(|&(_, bounds)| bounds);
+        builder.bounds(["free_start_lower", "free_start_upper"], bounds)
     });
     let declared = OptimalControlDeclaration {
         running_cost: declared.running_cost.is_some(),
@@ -84,7 +73,7 @@ fn conditions(conditions: &[scene::Condition]) -> &'static [ConstraintDeclaratio
     list(conditions.iter().map(|condition| ConstraintDeclaration {
         name: text(&condition.name),
         unit: inferred(condition.unit),
-        documentation: documentation(&condition.documentation),
+        documentation: text(&condition.documentation),
         equality: condition.equality,
     }))
 }

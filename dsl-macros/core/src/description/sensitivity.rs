@@ -4,10 +4,11 @@
 //! solver differentiates: normals, curvatures, the laws of contacts, start, horizon and outputs.
 
 use super::builder::{Builder, pattern};
+use super::shown::values;
 use crate::declaration::{SparsityPattern, list as static_list};
-use crate::derive::{ContactEquations, Equations, InverseInertia, jacobian, simplify};
-use crate::graph::{Compose, Sym, Variable};
-use crate::scene::{self, Contact};
+use crate::derive::{ContactEquations, Equations, InverseInertia, jacobian};
+use crate::graph::{Sym, Variable};
+use crate::scene::Contact;
 
 /// What is differentiated by parameters beyond motion and contacts. Kernels and parameters are named by their index.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,14 +158,7 @@ impl List<'_, '_> {
         if scene.outputs.is_empty() {
             return None;
         }
-        let values: Vec<Sym> = scene
-            .outputs
-            .iter()
-            .map(|output| {
-                let scale = 1.0 / scene::scale(output.unit.as_ref());
-                simplify(output.value.scaled(scale))
-            })
-            .collect();
+        let values = values(&scene.outputs);
         let controls = scene.controls.len();
         let states = 2 * scene.coordinates.len() + controls;
         let mut variables = self.inputs[..states].to_vec();

@@ -1,11 +1,11 @@
 //! What is recorded and drawn of a motion.
 
 use super::builder::Builder;
-use super::declared::{documentation, inferred, unit};
+use super::declared::{inferred, unit};
 use crate::declaration::{Picture, Shape, VariableDeclaration, list, text};
 use crate::derive::simplify;
 use crate::graph::{Compose, Sym};
-use crate::scene::{self, Form};
+use crate::scene::{self, Form, Output};
 
 /// Quantities that are recorded, and their kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,29 +21,35 @@ pub(super) fn outputs(builder: &mut Builder<'_>) -> Option<Outputs> {
     let declared = &builder.scene.outputs;
     let quantities = list(declared.iter().map(|output| VariableDeclaration {
         name: text(&output.name.text),
-        unit: match &output.unit {
-            Some(_) => unit(output.unit.as_ref()),
-            None => inferred(output.inferred),
-        },
-        documentation: documentation(&output.documentation),
+        unit: output_unit(output),
+        documentation: text(&output.documentation),
     }));
     if quantities.is_empty() {
         return None;
     }
-    let values: Vec<Sym> = declared
-        .iter()
-        .map(|output| {
-            simplify(
-                output
-                    .value
-                    .scaled(1.0 / scene::scale(output.unit.as_ref())),
-            )
-        })
-        .collect();
+    let values = values(declared);
     Some(Outputs {
         quantities,
         kernel: builder.kernel("outputs", &values),
     })
+}
+
+/// What is recorded, in its units.
+pub(super) fn values(outputs: &[Output]) -> Vec<Sym> {
+    let value = |output: &Output| {
+        output
+            .value
+            .scaled(1.0 / scene::scale(output.unit.as_ref()))
+    };
+    outputs.iter().map(value).map(simplify).collect()
+}
+
+/// The declared unit of what is recorded, or that of its value.
+pub(super) fn output_unit(output: &Output) -> &'static str {
+    match &output.unit {
+        Some(_) => unit(output.unit.as_ref()),
+        None => inferred(output.inferred),
+    }
 }
 
 /// A picture, and the kernel of the values of all shapes, one after the other, of `(q, v, u, t)`, the time always among them; the

@@ -1,7 +1,7 @@
 //! The struct of a scene: its parameters as fields, with defaults and setters.
 
 use crate::ast::{Name, WrittenUnit};
-use crate::description::{Description, documentation_text as text, formula};
+use crate::description::{Description, formula};
 use crate::scene::{CheckedScene, Contact, Coordinate, OptimalControl, Parameter};
 use proc_macro2::{Literal, Span, TokenStream};
 use quote::{format_ident, quote};
@@ -126,7 +126,7 @@ fn in_brackets(unit: Option<&WrittenUnit>) -> String {
 }
 
 fn parameter_documentation(parameter: &Parameter) -> String {
-    let mut text = text(&parameter.documentation);
+    let mut text = parameter.documentation.clone();
     if text.is_empty() {
         let _ = write!(text, "Parameter `{}`", parameter.name.text);
     }
@@ -142,7 +142,7 @@ fn parameter_documentation(parameter: &Parameter) -> String {
 }
 
 fn scene_documentation(scene: &CheckedScene, derived: &Description) -> String {
-    let mut page = text(&scene.documentation);
+    let mut page = scene.documentation.clone();
     if page.is_empty() {
         let _ = write!(page, "The scene `{}`.", scene.name.text);
     }
@@ -164,7 +164,7 @@ fn scene_documentation(scene: &CheckedScene, derived: &Description) -> String {
                 "- `{}`: {}{}",
                 contact.name.text,
                 law(scene, contact),
-                sentence(&text(&contact.documentation))
+                sentence(&contact.documentation)
             );
         }
     }
@@ -227,7 +227,7 @@ fn optimal_control(scene: &CheckedScene, task: &OptimalControl) -> String {
         ("at the end", &task.goals),
     ] {
         for condition in conditions {
-            let documentation = sentence(&text(&condition.documentation));
+            let documentation = sentence(&condition.documentation);
             let _ = writeln!(page, "- {what} `{}`{documentation}", condition.name);
         }
     }
@@ -306,7 +306,7 @@ fn quantity_line(what: &str, quantity: &Coordinate) -> String {
         "- {what} `{}`{}{}\n",
         quantity.name.text,
         in_brackets(quantity.unit.as_ref()),
-        sentence(&text(&quantity.documentation))
+        sentence(&quantity.documentation)
     )
 }
 

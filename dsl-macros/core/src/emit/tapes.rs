@@ -1,7 +1,7 @@
 //! Explicit functions as data, for ranges of their inputs.
 
 use super::kernel::{literal, written};
-use crate::description::{Description, ExplicitFunction, Function, Kernel, Operation, Source};
+use crate::description::{Description, Function, Kernel, Operation, Source};
 use std::fmt::Write;
 
 const TAPE: &str = "::hangtime::scene::tape";
@@ -10,17 +10,9 @@ const TAPE: &str = "::hangtime::scene::tape";
 pub(super) fn method(description: &Description) -> String {
     let mut arms = String::new();
     for (function, kernel) in description.explicit_functions() {
-        let function = match function {
-            ExplicitFunction::Gap(i) => format!("Gap({i})"),
-            ExplicitFunction::Normal(i) => format!("Normal({i})"),
-            ExplicitFunction::Tangent(i) => format!("Tangent({i})"),
-            ExplicitFunction::Across(i) => format!("Across({i})"),
-            ExplicitFunction::Share(i) => format!("Share({i})"),
-            ExplicitFunction::Motion => "Motion".to_owned(),
-        };
         let _ = write!(
             arms,
-            "{TAPE}::Explicit::{function} => {{ static O: &[__Operation] = &[{}]; static V: &[::core::primitive::u32] = &{:?}; (O, V) }}",
+            "{TAPE}::Explicit::{function:?} => {{ static O: &[__Operation] = &[{}]; static V: &[::core::primitive::u32] = &{:?}; (O, V) }}",
             operations(description, &kernel),
             kernel.outputs
         );

@@ -51,9 +51,26 @@ pub enum Function2 {
 }
 
 impl Function {
+    /// Those that stand for themselves wherever they are written.
+    pub const NAMED: [Self; 12] = [
+        Self::Sin,
+        Self::Cos,
+        Self::Tan,
+        Self::Asin,
+        Self::Acos,
+        Self::Atan,
+        Self::Sinh,
+        Self::Cosh,
+        Self::Tanh,
+        Self::Exp,
+        Self::Ln,
+        Self::Cbrt,
+    ];
+
     /// The function with this name in the language, which is also its name in `f64`.
     pub(crate) fn named(name: &str) -> Option<Self> {
-        ALL.into_iter().find(|function| function.name() == name)
+        let mut named = Self::NAMED.into_iter();
+        named.find(|function| function.name() == name)
     }
 
     pub(crate) fn name(self) -> &'static str {
@@ -130,22 +147,6 @@ pub fn root(x: f64) -> f64 {
 pub fn inverse_root(x: f64) -> f64 {
     if x < REST { 0.0 } else { 1.0 / x.sqrt() }
 }
-
-/// Those that stand for themselves wherever they are written.
-const ALL: [Function; 12] = [
-    Function::Sin,
-    Function::Cos,
-    Function::Tan,
-    Function::Asin,
-    Function::Acos,
-    Function::Atan,
-    Function::Sinh,
-    Function::Cosh,
-    Function::Tanh,
-    Function::Exp,
-    Function::Ln,
-    Function::Cbrt,
-];
 
 impl Function2 {
     /// Its name in `f64`.

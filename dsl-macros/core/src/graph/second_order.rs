@@ -229,14 +229,15 @@ mod tests {
         let found = hessian(root, &inputs);
         let slopes = gradient(root, &inputs);
         let at = |variable| match variable {
-            Variable::Coordinate(i) => [0.7, 1.9, -0.4][usize::from(i)],
-            other => panic!("{other:?} is no input"),
+            Variable::Coordinate(i) => Some(Sym::number([0.7, 1.9, -0.4][usize::from(i)])),
+            _ => None,
         };
         for (i, &slope) in slopes.iter().enumerate() {
             for (j, &input) in inputs.iter().enumerate().take(i + 1) {
                 let wanted = partial(&[slope], input);
                 let entry = found.get(&(i, j)).copied().unwrap_or(Sym::ZERO);
-                let values = crate::testing::run(&[entry, wanted[0]], at);
+                let values = passes::substitute(&[entry, wanted[0]], at);
+                let values: Vec<f64> = values.into_iter().filter_map(Sym::as_number).collect();
                 // Some fifty roundings of numbers up to 100.
                 let error = (values[0] - values[1]).abs();
                 assert!(

@@ -2,11 +2,11 @@
 
 use super::cursor::Cursor;
 use crate::ast::Documentation;
-use proc_macro2::{Delimiter, Literal, TokenStream};
+use proc_macro2::{Delimiter, TokenStream};
 
 /// Doc comments, which reach the macro as `#[doc = "text"]`.
 pub(super) fn documentation(cursor: &mut Cursor) -> Documentation {
-    let mut documentation = Documentation::default();
+    let mut lines = Vec::new();
     while cursor.at_symbol("#") {
         let place = cursor.place();
         cursor.advance();
@@ -17,7 +17,7 @@ pub(super) fn documentation(cursor: &mut Cursor) -> Documentation {
             continue;
         };
         match doc_line(group.stream()) {
-            Some(line) => documentation.lines.push(line),
+            Some(line) => lines.push(line.trim().to_owned()),
             None => {
                 cursor.said().syntax(
                     place,
@@ -26,11 +26,11 @@ pub(super) fn documentation(cursor: &mut Cursor) -> Documentation {
             }
         }
     }
-    documentation
+    lines.join("\n").trim().to_owned()
 }
 
 /// The text of `doc = "text"`, if the content of an attribute is that.
-fn doc_line(attribute: TokenStream) -> Option<Literal> {
+fn doc_line(attribute: TokenStream) -> Option<String> {
     let syn::Meta::NameValue(meta) = syn::parse2(attribute).ok()? else {
         return None;
     };
@@ -38,7 +38,7 @@ fn doc_line(attribute: TokenStream) -> Option<Literal> {
         syn::Expr::Lit(syn::ExprLit {
             lit: syn::Lit::Str(text),
             ..
-        }) if meta.path.is_ident("doc") => Some(text.token()),
+        }) if meta.path.is_ident("doc") => Some(text.value()),
         _ => None,
     }
 }

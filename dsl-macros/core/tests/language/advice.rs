@@ -1,27 +1,17 @@
 //! Slips of people who come from elsewhere: each message says what to write here.
 
-/// The messages about a cart of two coordinates, with further statements.
-fn cart(statements: &str) -> Vec<String> {
-    let text = format!(
-        "parameters {{ m: kg = 2, i: kg m^2 = 0.3, g: m/s^2 = 9.81 }}\ncoordinates {{ s: m, phi: rad }}\n{statements}"
-    );
-    of_text(&text)
-}
+const CART: &str =
+    "parameters { m: kg = 2, i: kg m^2 = 0.3, g: m/s^2 = 9.81 } coordinates { s: m, phi: rad }";
 
-const ENERGY: &str = "lagrangian m/2*dot(s)^2 + i/2*dot(phi)^2 - m*g*s\n";
-
-/// The cart with its energy.
-fn moved(statements: &str) -> Vec<String> {
-    cart(&format!("{ENERGY}{statements}"))
+/// A cart of two coordinates, with its energy and further statements.
+fn moved(statements: &str) -> String {
+    format!("{CART} lagrangian m/2*dot(s)^2 + i/2*dot(phi)^2 - m*g*s {statements}")
 }
 
 /// What is said of the text of a file; empty where nothing is.
 fn of_text(text: &str) -> Vec<String> {
-    let found = match hangtime_dsl::describe_text(text, "cart") {
-        Ok((_, warnings)) => warnings,
-        Err(mistakes) => mistakes,
-    };
-    found.into_iter().map(|mistake| mistake.message).collect()
+    let found = crate::mistakes_or_warnings(text).into_iter();
+    found.map(|mistake| mistake.message).collect()
 }
 
 /// The only message, which contains all of the words.
@@ -34,123 +24,94 @@ fn assert_says(messages: &[String], words: &[&str]) {
     }
 }
 
-#[test]
-fn sign_and_size_of_a_velocity_act_and_name_dry_friction_and_drag_elsewhere() {
-    for acts in [
-        "forces { s: -3 [N]*sign(dot(s)) }",
-        "let w = dot(s) - 1 [m/s] forces { s: -3 [N]*sign(w) }",
-        "forces { s: -3 [kg/m]*|dot(s)|*dot(s) }",
-        "forces { s: -3 [N]*sign(s) }",
-    ] {
-        assert_eq!(moved(acts), [""; 0]);
-    }
-    assert_says(
-        &moved("dissipation 3 [N]*sign(dot(s))*dot(s)"),
-        &["dry friction name: bound f, sliding dot(s)"],
-    );
-    let drag = "dissipation 3 [kg/m]*|dot(s)|*dot(s)^2";
-    assert_says(&moved(drag), &["`sqrt(dot(s)^2 + v_0^2)`", "dry friction"]);
-    let as_advised = "dissipation 3 [kg/m]*sqrt(dot(s)^2 + (1 [mm/s])^2)*dot(s)^2";
-    assert_eq!(moved(as_advised), [""; 0]);
-}
-
-#[test]
-fn laws_without_a_surface_ask_for_its_name() {
-    let law = "surface floor: s >= 0 [m] impact restitution 0.4 start { s: 1 }";
-    assert_says(&moved(law), &["`impact name: restitution ...`"]);
-}
-
-#[test]
-fn integrals_and_bounds_are_written_as_they_are_written_here() {
-    let control = |control: &str, task: &str| {
-        moved(&format!(
-            "controls {{ {control} }} forces {{ s: u }} {task}"
-        ))
-    };
-    assert_says(
-        &control("u: N", "minimize integral u^2"),
-        &["`integral(u)`"],
-    );
-    for (interval, bounds) in [
-        ("[-2, 3]", "in -2..=3"),
-        ("(0, 4)", "in 0..=4"),
-        ("[-1; 1]", "in -1..=1"),
-    ] {
-        assert_says(
-            &control(&format!("u: N in {interval}"), "minimize integral(u^2)"),
-            &[bounds],
-        );
-    }
-    assert_says(
-        &control("u: N in -2..3", "minimize integral(u^2)"),
-        &["`-2..=`"],
-    );
-    let between = control("-2 <= u <= 3", "minimize integral(u^2)");
-    assert_says(&between, &["`u in -2..=3`"]);
-    let both = "minimize integral(u^2) constraint c: -2 [N] <= u <= 3 [N]";
-    assert_says(&control("u: N", both), &["two conditions", "`u in -1..=1`"]);
-    assert_says(&control("u: N", "minimize T"), &["`minimize time`"]);
-}
-
-#[test]
-fn undeclared_force_is_a_control_and_an_undeclared_velocity_a_rate() {
-    assert_says(
-        &moved("forces { s: thrust }"),
-        &["`controls { thrust: N }`"],
-    );
-    for written in ["sdot", "s_dot", "ds"] {
-        assert_says(&moved(&format!("start {{ {written}: 1 }}")), &["`dot(s)`"]);
-    }
-}
-
-#[test]
-fn units_of_angles_are_called_as_usual() {
-    let torque = moved("forces { phi: 4 [N] }");
-    assert_says(&torque, &["is in N, where N m is needed"]);
-    let control = moved("controls { tau: N m } forces { phi: tau, s: tau }");
-    assert_says(&control, &["`tau` is in N m, where N is needed"]);
-    assert_says(
-        &moved("start { dot(phi): 2 [m/s] }"),
-        &["where rad/s is needed"],
-    );
-    assert_says(
-        &moved("start { dot(s): 2 [rad/s] }"),
-        &["is in rad/s, where m/s is needed"],
-    );
-}
-
-#[test]
-fn equations_of_motion_are_said_to_follow() {
-    for equation in ["m*ddot(s) = -m*g", "i*ddot(phi) = 2 [N m]"] {
-        assert_says(
-            &moved(equation),
-            &["follow from the `lagrangian`", "`forces { x: ... }`"],
-        );
-    }
-    assert_says(&moved("forces { s: m*ddot(s) }"), &["accelerations follow"]);
-    assert_says(
-        &moved("let v = dot(s) forces { (s, phi): v }"),
-        &["one for each"],
-    );
-}
-
-#[test]
-fn unknown_statements_say_what_to_write() {
-    for (statement, instead) in [
-        ("damping s: 3", "dissipation"),
-        ("gravity 9.81", "gravity (0, -g)"),
-        ("initial s: 1", "start {"),
-        ("goal s: 1", "finally {"),
-        ("variables s", "coordinates {"),
-        ("inputs u", "controls {"),
-        ("ground s >= 0", "surface name:"),
-        ("duration 3", "horizon"),
-        ("cost time", "minimize"),
-    ] {
-        assert_says(&moved(statement), &[instead]);
-    }
-    let file = format!("profile h(x: m): m \"track.csv\" {ENERGY}");
-    assert_says(&cart(&file), &["`hangtime profile track.csv`"]);
+answers! {
+    sign_and_size_of_a_velocity_act_and_name_dry_friction_and_drag_elsewhere: moved => r"
+        forces { s: -3 [N]*sign(dot(s)) }
+        let w = dot(s) - 1 [m/s] forces { s: -3 [N]*sign(w) }
+        forces { s: -3 [kg/m]*|dot(s)|*dot(s) }
+        forces { s: -3 [N]*sign(s) }
+        dissipation 3 [N]*sign(dot(s))*dot(s)
+            E12 sign(dot(s)) => dry friction name: bound f, sliding dot(s)
+        dissipation 3 [kg/m]*|dot(s)|*dot(s)^2
+            E12 dot(s) => `sqrt(dot(s)^2 + v_0^2)` … dry friction
+        dissipation 3 [kg/m]*sqrt(dot(s)^2 + (1 [mm/s])^2)*dot(s)^2
+    ";
+    laws_without_a_surface_ask_for_its_name: moved => r"
+        surface floor: s >= 0 [m] impact restitution 0.4 start { s: 1 }
+            restitution => `impact name: restitution ...`
+    ";
+    integrals_and_bounds_are_written_as_they_are_written_here: moved => r"
+        controls { u: N } forces { s: u } minimize integral u^2
+            u => `integral(u)`
+        controls { u: N in [-2, 3] } forces { s: u } minimize integral(u^2)
+            [ => in -2..=3
+        controls { u: N in (0, 4) } forces { s: u } minimize integral(u^2)
+            ( => in 0..=4
+        controls { u: N in [-1; 1] } forces { s: u } minimize integral(u^2)
+            [ => in -1..=1
+        controls { u: N in -2..3 } forces { s: u } minimize integral(u^2)
+            . => `-2..=`
+        controls { -2 <= u <= 3 } forces { s: u } minimize integral(u^2)
+            - => `u in -2..=3`
+        controls { u: N } forces { s: u } minimize integral(u^2) constraint c: -2 [N] <= u <= 3 [N]
+            < => two conditions … `u in -1..=1`
+        controls { u: N } forces { s: u } minimize T
+            E01 T => `minimize time`
+    ";
+    undeclared_force_is_a_control_and_an_undeclared_velocity_a_rate: moved => r"
+        forces { s: thrust }
+            E01 thrust => `controls { thrust: N }`
+        start { sdot: 1 }
+            E01 sdot => `dot(s)`
+        start { s_dot: 1 }
+            E01 s_dot => `dot(s)`
+        start { ds: 1 }
+            E01 ds => `dot(s)`
+    ";
+    units_of_angles_are_called_as_usual: moved => r"
+        forces { phi: 4 [N] }
+            E03 4 [N] => is in N, where N m is needed
+        controls { tau: N m } forces { phi: tau, s: tau }
+            E03 tau => `tau` is in N m, where N is needed
+        start { dot(phi): 2 [m/s] }
+            E03 2 [m/s] => where rad/s is needed
+        start { dot(s): 2 [rad/s] }
+            E03 2 [rad/s] => is in rad/s, where m/s is needed
+    ";
+    equations_of_motion_are_said_to_follow: moved => r"
+        m*ddot(s) = -m*g
+            m => follow from the `lagrangian` … `forces { x: ... }`
+        i*ddot(phi) = 2 [N m]
+            i => follow from the `lagrangian` … `forces { x: ... }`
+        forces { s: m*ddot(s) }
+            E01 ddot => accelerations follow
+        let v = dot(s) forces { (s, phi): v }
+            ( => one for each
+    ";
+    unknown_statements_say_what_to_write: moved => r"
+        damping s: 3
+            damping => dissipation
+        gravity 9.81
+            gravity => gravity (0, -g)
+        initial s: 1
+            initial => start {
+        goal s: 1
+            goal => finally {
+        variables s
+            variables => coordinates {
+        inputs u
+            inputs => controls {
+        ground s >= 0
+            ground => surface name:
+        duration 3
+            duration => horizon
+        cost time
+            cost => minimize
+    ";
+    profile_of_a_file_names_its_command: |text| format!("{CART} {text}") => r#"
+        profile h(x: m): m "track.csv" lagrangian m/2*dot(s)^2 + i/2*dot(phi)^2 - m*g*s
+            "track.csv" => `hangtime profile track.csv`
+    "#;
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! `when condition { ... }` and `start(...)`: what is accepted, and what each mistake says.
 
-use hangtime_dsl::{describe_held, describe_text, format_text};
+use crate::formatted;
+use hangtime_dsl::{describe_held, describe_text};
 
 /// Messages for the statements beside a mass on a line and a state, or "accepted".
 fn messages(statements: &str) -> Vec<String> {
@@ -206,22 +207,22 @@ fn largest_values_are_unknowns_of_what_is_solved_and_values_of_what_is_described
 fn conditions_are_formatted_like_the_statements_around_them() {
     let text = "states{x,on}\nrates{x:1 [1/s]+on / 3 [s]}\nwhen  x>=1{on=1}// once\nwhen x<=0 { on=0,x=  x+1}\n";
     assert_eq!(
-        format_text(text, "s").expect("no mistakes"),
+        formatted(text),
         "states { x, on }\nrates { x: 1 [1/s] + on/3[s] }\nwhen x >= 1 { on = 1 } // once\nwhen x <= 0 { on = 0, x = x + 1 }\n"
     );
     let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nminimize peak( x )\nat  gate in 0.5..=2 [s]{x==1 [m],// here\ndot(x)>=0}\nhorizon 3 [s]\n";
     assert_eq!(
-        format_text(text, "s").expect("no mistakes"),
+        formatted(text),
         "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nminimize peak(x)\nat gate in 0.5..=2 [s] {\n    x == 1 [m], // here\n    dot(x) >= 0,\n}\nhorizon 3 [s]\n"
     );
     let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nfree { x }\nminimize (x -start( x ) )^2\nfinally { x==-start(x) + 1 [m] }\n";
     assert_eq!(
-        format_text(text, "s").expect("no mistakes"),
+        formatted(text),
         "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nfree { x }\nminimize (x - start(x))^2\nfinally { x == -start(x) + 1 [m] }\n"
     );
     let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nminimize  at( 0.5 [s],x )^2\nat (1 [s]) {x==at(0.5 [s],x)}\nhorizon 3 [s]\n";
     assert_eq!(
-        format_text(text, "s").expect("no mistakes"),
+        formatted(text),
         "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nminimize at(0.5 [s], x)^2\nat(1 [s]) { x == at(0.5 [s], x) }\nhorizon 3 [s]\n"
     );
 }

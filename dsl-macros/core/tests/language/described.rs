@@ -1,16 +1,8 @@
 //! What a description says of a scene: equations as a person would write them, units, documentation, laws.
 
-use hangtime_dsl::describe_text;
+use crate::described;
 use hangtime_dsl::description::Description;
 use std::fs;
-
-/// What is derived of a text.
-fn described(text: &str) -> Description {
-    match describe_text(text, "scene") {
-        Ok((description, _)) => description,
-        Err(mistakes) => panic!("{}", mistakes[0].message),
-    }
-}
 
 /// What is derived of a scene in a file.
 fn of_file(path: &str) -> Description {

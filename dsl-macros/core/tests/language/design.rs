@@ -1,8 +1,7 @@
 //! Free parameters: what they derive, and what is refused with what to write instead.
 
-use hangtime_dsl::{describe_held, describe_text, format_text};
-
-use super::mistakes_in_file as messages;
+use crate::formatted;
+use hangtime_dsl::{describe_held, describe_text};
 
 /// A mass on a spring that is to be chosen, with the words for it and further statements.
 fn scene(free: &str, further: &str) -> String {
@@ -15,78 +14,39 @@ fn scene(free: &str, further: &str) -> String {
 const FREE: &str = "free k: N/m in 1..=10 = 2";
 const TASK: &str = "minimize integral(u^2) finally { z == 1 [m] } horizon 1 [s]";
 
-#[test]
-fn mistakes_with_free_parameters_say_what_to_write() {
-    for (free, further, wanted) in [
-        (
-            "free k: N/m = 2",
-            TASK,
-            "free parameter `k` needs the range in which it is looked for, as in `free k: N/m in 1..=10 = 2`; a free initial \
-             value stands in braces, `free { k }`",
-        ),
-        (
-            "free k: N/m in 1..=10",
-            TASK,
-            "free parameter `k` needs a value to begin with, as in `free k: N/m in 1..=10 = 2`; a free initial value stands in \
-             braces, `free { k in ... }`",
-        ),
-        (
-            "free k: N/m in 1..=10 = 20",
-            TASK,
-            "E17: `k` starts at 20, outside its bounds 1..=10",
-        ),
-        (
-            "free k: N/m in 10..=1 = 2",
-            TASK,
-            "E17: lower bound 10 of `k` lies above its upper bound 1; exchange them",
-        ),
-        (
-            FREE,
-            "horizon 1 [s]",
-            "E15: free parameter `k` in a scene without `minimize`, so that nothing says which value is best; add an objective, \
-             or write `parameters { k = ... }`",
-        ),
-        (
-            "free k: N/m in 1..=10 = 2 free extra: N in 1..=2 = 1",
-            TASK,
-            "E15: nothing in the motion, its conditions or its objective reads the free parameter `extra`, so that all its \
-             values are as good; use it or leave it out",
-        ),
-        (
-            "free k: N/m in 1..=10 = 2 free most: m in 1..=2 = 1",
-            "minimize integral(u^2) finally { z == most } free { z in 0..=most } horizon 1 [s]",
-            "a bound of `z` depends on the free parameter `most`; write it as a condition, such as `constraint limit: z <= most`",
-        ),
-        (
-            "free k: N/m in 1..=far = 2 free far: N/m in 5..=10 = 6",
-            "minimize far finally { z == 1 [m] } horizon 1 [s]",
-            "a bound of `k` depends on the free parameter `far`; write it as a condition, such as `constraint limit: k <= far`",
-        ),
-        (
-            "free k: N/m in 1..=10 = m*2 [N/m/kg]",
-            TASK,
-            "the default of parameter `k` must be a number; abbreviations of other parameters belong to `let`",
-        ),
-        (
-            "free k: N/m in 1..=10 = 2 free m: kg in 1..=2 = 1",
-            TASK,
-            "E19: `m` is declared twice; rename this parameter",
-        ),
-        (
-            "parameters { k: N/m in 1..=10 = 2 }",
-            TASK,
-            "bounds belong to coordinates, controls and free parameters; parameter `k` has none: leave them out, or write \
-             `free k...` outside of `parameters` if `solve` is to find it",
-        ),
-    ] {
-        assert_eq!(
-            messages(&scene(free, further)),
-            [wanted],
-            "{free} {further}"
-        );
-    }
-    let units = messages(&scene("free k: N/m in 1..=10 = 2 [m]", TASK));
-    assert!(units.len() == 1 && units[0].starts_with("E03"), "{units:?}");
+/// The scene with words for what is to be chosen, and statements behind a semicolon if it has another task.
+fn chosen(words: &str) -> String {
+    let (free, task) = words.split_once("; ").unwrap_or((words, TASK));
+    scene(free, task)
+}
+
+answers! {
+    mistakes_with_free_parameters_say_what_to_write: chosen => r"
+        free k: N/m = 2
+            k => needs the range in which it is looked for, as in `free k: N/m in 1..=10 = 2` … stands in braces, `free { k }`
+        free k: N/m in 1..=10
+            k => needs a value to begin with, as in `free k: N/m in 1..=10 = 2` … stands in braces, `free { k in ... }`
+        free k: N/m in 1..=10 = 20
+            E17 k => `k` starts at 20, outside its bounds 1..=10
+        free k: N/m in 10..=1 = 2
+            E17 10..=1 => lower bound 10 of `k` lies above its upper bound 1; exchange them
+        free k: N/m in 1..=10 = 2; horizon 1 [s]
+            E15 k => free parameter `k` in a scene without `minimize` … add an objective, or write `parameters { k = ... }`
+        free k: N/m in 1..=10 = 2 free extra: N in 1..=2 = 1
+            E15 extra => nothing in the motion, its conditions or its objective reads the free parameter `extra` … use it or leave it out
+        free k: N/m in 1..=10 = 2 free most: m in 1..=2 = 1; minimize integral(u^2) finally { z == most } free { z in 0..=most } horizon 1 [s]
+            most => a bound of `z` depends on the free parameter `most` … as a condition, such as `constraint limit: z <= most`
+        free k: N/m in 1..=far = 2 free far: N/m in 5..=10 = 6; minimize far finally { z == 1 [m] } horizon 1 [s]
+            far => a bound of `k` depends on the free parameter `far` … as a condition, such as `constraint limit: k <= far`
+        free k: N/m in 1..=10 = m*2 [N/m/kg]
+            m*2 [N/m/kg] => the default of parameter `k` must be a number; abbreviations of other parameters belong to `let`
+        free k: N/m in 1..=10 = 2 free m: kg in 1..=2 = 1
+            E19 m => `m` is declared twice; rename this parameter
+        parameters { k: N/m in 1..=10 = 2 }
+            1 => bounds belong to coordinates, controls and free parameters; parameter `k` has none … `free k...` outside of
+        free k: N/m in 1..=10 = 2 [m]
+            E03 2 [m] => units differ
+    ";
 }
 
 #[test]
@@ -162,7 +122,7 @@ fn held_parameter_has_a_column_everywhere_no_motion_and_no_contact() {
 #[test]
 fn free_parameters_are_formatted_like_the_statements_around_them() {
     let text = "parameters{m:kg=1}\nfree  k :N/m in 1..=10=2 // found\ncoordinates { z: m }\nlagrangian m/2*dot(z)^2-k/2*z^2\nminimize z/1[m]";
-    let formatted = format_text(text, "s").expect("no mistakes");
+    let formatted = formatted(text);
     assert!(
         formatted.contains("\nfree k: N/m in 1..=10 = 2 // found\n"),
         "{formatted}"

@@ -1,15 +1,7 @@
 //! The settled style of texts.
 
+use crate::formatted;
 use hangtime_dsl::{describe_text, format_text};
-
-fn formatted(text: &str) -> String {
-    let formatted = format_text(text, "scene").expect("no mistakes");
-    assert_eq!(
-        format_text(&formatted, "scene").expect("no mistakes"),
-        formatted
-    );
-    formatted
-}
 
 #[test]
 fn text_in_any_layout_gets_the_settled_style() {

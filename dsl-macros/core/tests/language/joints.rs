@@ -9,10 +9,7 @@ fn scene(statements: &str) -> String {
 }
 
 fn described(statements: &str) -> hangtime_dsl::description::Description {
-    match hangtime_dsl::describe_text(&scene(statements), "s") {
-        Ok((derived, _)) => derived,
-        Err(mistakes) => panic!("{}", mistakes[0].message),
-    }
+    crate::described(&scene(statements))
 }
 
 #[test]
@@ -88,7 +85,7 @@ fn equations_of_joints_are_shown() {
 #[test]
 fn joint_is_formatted_as_one_line() {
     let text = "parameters { l: m = 1 }\ncoordinates { x: m, y: m }\nlagrangian 1 [kg]/2*(dot(x)^2 + dot(y)^2)\njoint rod :x^2+ y^2==l ^2 // length";
-    let formatted = hangtime_dsl::format_text(text, "s").expect("no mistakes");
+    let formatted = crate::formatted(text);
     assert!(
         formatted.ends_with("\njoint rod: x^2 + y^2 == l^2 // length\n"),
         "{formatted}"

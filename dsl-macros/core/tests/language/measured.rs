@@ -1,9 +1,8 @@
 //! Measured motions: what they declare, and what is refused with what to write instead.
 
+use crate::formatted;
 use hangtime_dsl::declaration::Measured;
-use hangtime_dsl::{describe_differentiated, describe_text, format_text};
-
-use super::mistakes_in_file as messages;
+use hangtime_dsl::{describe_differentiated, describe_text};
 
 /// A ball with a coefficient that is looked for, and further statements.
 fn scene(further: &str) -> String {
@@ -72,134 +71,84 @@ fn scene_without_measurements_carries_nothing_of_them() {
     assert_eq!(starts.count(), 2);
 }
 
-/// Each statement is refused with these words.
-fn refused(cases: &[(&str, &str)]) {
-    for (further, wanted) in cases {
-        let found = messages(&scene(further));
-        let is_wanted = |text: &String| text.contains(wanted);
-        assert!(found.iter().any(is_wanted), "{further}: {found:?}");
-    }
+/// The scene with a measured motion of these entries.
+fn entries(entries: &str) -> String {
+    scene(&format!(
+        "measured one: \"a.csv\" {{ {entries} }} minimize misfit(one)"
+    ))
 }
 
-const ONE: &str = "measured one: \"a.csv\" { y within 1 [cm] }";
-
-#[test]
-fn mistakes_in_measurements_say_what_to_write() {
-    let entries =
-        |entries: &str| format!("measured one: \"a.csv\" {{ {entries} }} minimize misfit(one)");
-    refused(&[
-        ("measured { }", "expected the name of the experiment"),
-        (
-            "measured one \"a.csv\" { }",
-            "expected `:` and the file of the measurements",
-        ),
-        (
-            "measured one: a { }",
-            "expected the name of a file in quotation marks",
-        ),
-        (
-            "measured one: \"\" { y within 1 [cm] }",
-            "`one` has no file",
-        ),
-        (
-            "measured one: \"a.csv\" { y: 1 }",
-            "expected `within` and the standard deviation",
-        ),
-        (
-            &entries(""),
-            "`one` measures nothing; write what, as in `z within 1 [cm]`",
-        ),
-        (
-            &entries("y within 1 [kg]"),
-            "E03: units differ: `1 [kg]` is in kg, where m is",
-        ),
-        (
-            &entries("fast within 1 [m]"),
-            "E03: units differ: `1 [m]` is in m, where m/s is",
-        ),
-        (
-            &entries("y within 0"),
-            "E17: the standard deviation of the measured `y` is `0`",
-        ),
-        (&entries("z within 1"), "E01: `z` is not declared"),
-        (
-            &entries("e within 1"),
-            "E15: `e` is no coordinate, state or output",
-        ),
-        (
-            &entries("y within 1, y within 2"),
-            "E19: `y` is measured twice in `one`",
-        ),
-        (
-            &entries("y within 1, start { y: dot(y)*1[s] }"),
-            "the start value of `y` depends on the velocity",
-        ),
-    ]);
-    // A parameter that only a start of an experiment reads is read.
-    let free = "free v: m/s in 0..=1 = 0.5 ";
-    let text = free.to_owned() + &entries("y within 1, start { dot(y): v }");
-    assert_eq!(messages(&scene(&text)), [""; 0]);
-    let unread = scene(&(free.to_owned() + &entries("y within 1")));
-    assert!(messages(&unread)[0].starts_with("E15: nothing in the motion"));
+/// The scene with a measured motion and an objective.
+fn misfits(objective: &str) -> String {
+    scene(&format!(
+        "measured one: \"a.csv\" {{ y within 1 [cm] }} {objective}"
+    ))
 }
 
-#[test]
-fn mistakes_in_misfits_say_what_to_write() {
-    let with = |further: &str| format!("{ONE} {further}");
-    refused(&[
-        (
-            ONE,
-            "E15: nothing compares with the measured `one`; write `minimize misfit(one)`",
-        ),
-        (
-            "minimize misfit(two)",
-            "E01: `two` is not measured; declare it",
-        ),
-        (
-            &with("minimize misfit(on)"),
-            "E01: `on` is not measured; did you mean `one`?",
-        ),
-        (
-            &with("minimize misfit(one) + 1"),
-            "E15: `1` beside a misfit",
-        ),
-        (
-            &with("minimize 2*misfit(one)"),
-            "E15: `2*misfit(one)` beside a misfit",
-        ),
-        (
-            &with("minimize misfit(one) + misfit(one)"),
-            "E15: the misfit of `one` is added twice",
-        ),
-        (
-            &with("minimize misfit(one, absolute)"),
-            "E15: `absolute` is no loss; write `huber`",
-        ),
-        (
-            &with("minimize misfit(one, huber(-1))"),
-            "E15: `huber(-1)` is no loss",
-        ),
-        (
-            &with("minimize misfit()"),
-            "E02: `misfit()`: a misfit is of one measured motion",
-        ),
-        (
-            &with(&with("minimize misfit(one)")),
-            "E19: `one` is measured twice; rename one",
-        ),
-        (
-            &with("minimize misfit(one) minimize time"),
-            "a scene has one `minimize`",
-        ),
-        (
-            &with("finally { y == 0 } minimize misfit(one)"),
-            "E15: `finally` in a scene that minimizes a misfit",
-        ),
-        (
-            &with("free { dot(y) } minimize misfit(one)"),
-            "E15: `free { ... }` in a scene that minimizes a misfit",
-        ),
-    ]);
+answers! {
+    mistakes_in_measurements_say_what_to_write: scene => r#"
+        measured { }
+            { => expected the name of the experiment
+        measured one "a.csv" { }
+            "a.csv" => expected `:` and the file of the measurements
+        measured one: a { }
+            a => expected the name of a file in quotation marks
+        measured one: "" { y within 1 [cm] }
+            "" => `one` has no file
+        measured one: "a.csv" { y: 1 }
+            one => `one` measures nothing
+            : => expected `within` and the standard deviation
+        measured one: "a.csv" { y within 1 [cm] }
+            E15 one => nothing compares with the measured `one`; write `minimize misfit(one)`
+        measured one: "a.csv" { } minimize misfit(one)
+            one => `one` measures nothing; write what, as in `z within 1 [cm]`
+        minimize misfit(two)
+            E01 two => `two` is not measured; declare it
+        // A parameter that only a start of an experiment reads is read.
+        free v: m/s in 0..=1 = 0.5 measured one: "a.csv" { y within 1, start { dot(y): v } } minimize misfit(one)
+        free v: m/s in 0..=1 = 0.5 measured one: "a.csv" { y within 1 } minimize misfit(one)
+            E15 v => nothing in the motion
+    "#;
+    mistakes_in_entries_say_what_to_write: entries => r"
+        y within 1 [kg]
+            E03 1 [kg] => units differ: `1 [kg]` is in kg, where m is
+        fast within 1 [m]
+            E03 1 [m] => units differ: `1 [m]` is in m, where m/s is
+        y within 0
+            E17 0 => the standard deviation of the measured `y` is `0`
+        z within 1
+            E01 z => `z` is not declared
+        e within 1
+            E15 e => `e` is no coordinate, state or output
+        y within 1, y within 2
+            E19 y => `y` is measured twice in `one`
+        y within 1, start { y: dot(y)*1[s] }
+            dot(y)*1[s] => the start value of `y` depends on the velocity
+    ";
+    mistakes_in_misfits_say_what_to_write: misfits => r#"
+        minimize misfit(on)
+            E01 on => `on` is not measured; did you mean `one`?
+        minimize misfit(one) + 1
+            E15 1 => `1` beside a misfit
+        minimize 2*misfit(one)
+            E15 2*misfit(one) => `2*misfit(one)` beside a misfit
+        minimize misfit(one) + misfit(one)
+            E15 misfit(one) => the misfit of `one` is added twice
+        minimize misfit(one, absolute)
+            E15 absolute => `absolute` is no loss; write `huber`
+        minimize misfit(one, huber(-1))
+            E15 huber(-1) => `huber(-1)` is no loss
+        minimize misfit()
+            E02 misfit() => `misfit()`: a misfit is of one measured motion
+        measured one: "a.csv" { y within 1 [cm] } minimize misfit(one)
+            E19 one => `one` is measured twice; rename one
+        minimize misfit(one) minimize time
+            minimize => a scene has one `minimize`
+        finally { y == 0 } minimize misfit(one)
+            E15 minimize => `finally` in a scene that minimizes a misfit
+        free { dot(y) } minimize misfit(one)
+            E15 minimize => `free { ... }` in a scene that minimizes a misfit
+    "#;
 }
 
 #[test]
@@ -217,11 +166,7 @@ fn measurements_are_formatted_like_the_statements_around_them() {
     let text = scene(
         "measured  one:\"a.csv\"{y within 1[cm],start{y:2[m],dot(y):0}}\nminimize misfit( one ,huber )",
     );
-    let formatted = format_text(&text, "s").expect("no mistakes");
+    let formatted = formatted(&text);
     let wanted = "measured one: \"a.csv\" { y within 1 [cm], start { y: 2 [m], dot(y): 0 } }\nminimize misfit(one, huber)\n";
     assert!(formatted.ends_with(wanted), "{formatted}");
-    assert_eq!(
-        format_text(&formatted, "s").expect("no mistakes"),
-        formatted
-    );
 }

@@ -1,20 +1,9 @@
 //! Repetition and parts: what is written out is the scene that an author would have written, and slips are told where they stand.
 
-use crate::mistakes_in_file;
+use crate::{described, formatted, mistakes_in_file};
 use hangtime_dsl::describe_text;
 use hangtime_dsl::description::Description;
 use proc_macro2::{TokenStream, TokenTree};
-
-pub(super) fn described(text: &str) -> Description {
-    match describe_text(text, "scene") {
-        Ok((description, warnings)) => {
-            let warnings: Vec<String> = warnings.iter().map(|known| known.text()).collect();
-            assert_eq!(warnings, Vec::<String>::new(), "{text}");
-            description
-        }
-        Err(mistakes) => panic!("{}\n{text}", mistakes[0].message),
-    }
-}
 
 /// A scene and its twin without repetition have the same functions.
 fn assert_twins(text: &str, twin: &str) -> Description {
@@ -293,10 +282,7 @@ start { first.q[k in 1..=n]: 0.1*k }
         .replace("link(x, ", "link( x ,")
         .replace("count n = 3", "count n=3");
     for text in [&loose, wanted] {
-        assert_eq!(
-            hangtime_dsl::format_text(text, "s").expect("no mistakes"),
-            wanted
-        );
+        assert_eq!(formatted(text), wanted);
     }
 }
 

@@ -9,25 +9,11 @@ fn ball(statements: &str) -> Vec<String> {
          surface floor: z >= r impact floor: inelastic, friction 0.3, sliding dot(y + r*a) \
          surface wall: y <= 3[m] impact wall: restitution 0.5 start {{ z: 1 }} {statements} }}"
     );
-    let tokens = source.parse().expect("the source is made of tokens");
-    let mistakes = hangtime_dsl::mistakes(tokens);
-    match mistakes.is_empty() {
-        true => vec!["accepted".to_owned()],
-        false => mistakes.iter().map(hangtime_dsl::Mistake::text).collect(),
-    }
-}
-
-macro_rules! texts {
-    ($($name:ident: $source:expr => $($text:expr),+;)*) => {
-        $(#[test]
-        fn $name() {
-            assert_eq!(ball($source), vec![$($text),+]);
-        })*
-    };
+    crate::mistakes_in(&source)
 }
 
 texts! {
-    everything_is_accepted:
+    everything_is_accepted: ball
         "outputs { /// How fast it is.
              speed: km/h = |dot(p)|, power: W = u*dot(y), height = z - r, limit: N = 3, \
              push: N = force(floor), rub = friction_force(floor)/m, both: N = push + force(wall), \
@@ -39,184 +25,184 @@ texts! {
         => "accepted";
 
     // Outputs.
-    output_without_an_expression: "outputs { speed: m/s, height: m = z }" =>
+    output_without_an_expression: ball "outputs { speed: m/s, height: m = z }" =>
         "output `speed` needs an expression, as in `speed: m/s = ...`";
-    output_with_bounds: "outputs { height: m in 0..=3 = z }" =>
+    output_with_bounds: ball "outputs { height: m in 0..=3 = z }" =>
         "output `height` has no bounds; limit it by `constraint limit: height <= ...`";
-    output_in_another_unit: "outputs { height: m/s = z }" =>
+    output_in_another_unit: ball "outputs { height: m/s = z }" =>
         "E03: units differ: `z` is in m, where m/s is needed (output `height` is declared so)";
-    force_in_another_unit: "outputs { push: J = force(floor) }" =>
+    force_in_another_unit: ball "outputs { push: J = force(floor) }" =>
         "E03: units differ: `force(floor)` is in N, where J is needed (output `push` is declared so)";
-    impulse_in_the_unit_of_a_force: "outputs { hit: N = impulse(wall) }" =>
+    impulse_in_the_unit_of_a_force: ball "outputs { hit: N = impulse(wall) }" =>
         "E03: units differ: `impulse(wall)` is in N s, where N is needed (output `hit` is declared so)";
-    impulse_of_nothing: "outputs { hit: N s = impulse(flor), all: N s = impulse() }" =>
+    impulse_of_nothing: ball "outputs { hit: N s = impulse(flor), all: N s = impulse() }" =>
         "E01: there is no surface `flor` above; did you mean `floor`?",
         "E02: `impulse` takes the name of a surface, as in `impulse(ground)`";
-    friction_impulse_of_a_contact_without: "outputs { rub: N s = friction_impulse(wall) }" =>
+    friction_impulse_of_a_contact_without: ball "outputs { rub: N s = friction_impulse(wall) }" =>
         "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
          `friction_impulse(wall)` out";
-    impulse_at_the_end: "finally { impulse(floor) <= 3 [N s] }" =>
+    impulse_at_the_end: ball "finally { impulse(floor) <= 3 [N s] }" =>
         "E24: `impulse(floor)` is that of one impact, and there may be several; write `sum(impulse(floor))`, which adds \
          up over all of them, or limit each by `constraint limit: impulse(floor) <= ...`";
-    impulse_as_a_final_cost: "minimize impulse(floor)^2" =>
+    impulse_as_a_final_cost: ball "minimize impulse(floor)^2" =>
         "E24: `impulse(floor)` is that of one impact, and there may be several; write `sum(impulse(floor))`, which adds \
          up over all of them, or limit each by `constraint limit: impulse(floor) <= ...`";
-    integral_of_an_impulse: "minimize integral(impulse(floor)^2)" =>
+    integral_of_an_impulse: ball "minimize integral(impulse(floor)^2)" =>
         "E24: `impulse(floor)` acts at the instant of an impact, so that it has no integral; write \
          `sum(impulse(floor)^2)` in `minimize`, which adds up over all impacts";
-    output_of_an_impulse_in_a_constraint:
+    output_of_an_impulse_in_a_constraint: ball
         "outputs { hit: N s = impulse(floor) } constraint soft: hit <= 3 [N s]" =>
         "E24: `hit` contains the sum of impulses until each instant, which is recorded only; a condition on each impact \
          is written with `impulse(...)` itself";
-    output_of_an_impulse_in_an_objective:
+    output_of_an_impulse_in_an_objective: ball
         "outputs { hit: N s = impulse(floor) } minimize integral(hit) + sum(hit)" =>
         "E24: `hit` contains the sum of impulses until each instant, which is recorded only; write `sum(...)` with \
          `impulse(...)` itself, which adds up over all impacts";
-    forces_and_impulses_in_optimal_control:
+    forces_and_impulses_in_optimal_control: ball
         "outputs { push: N = force(floor) - force(wall) } \
          minimize integral(push^2 + friction_force(floor)*dot(y)*1 [N s/m]) + 2*sum(impulse(wall)^2)/1 [s] + \
             force(floor)*1 [N s] \
          constraint strong: push <= 100 [N] constraint soft: impulse(wall) + impulse(floor) <= 3 [N s] \
          finally { push >= 1 [N], sum(z*friction_impulse(floor)) <= 1 [J s] }"
         => "accepted";
-    sum_of_a_force: "minimize sum(force(floor)^2)" =>
+    sum_of_a_force: ball "minimize sum(force(floor)^2)" =>
         "E24: `force(floor)` acts over a time, and `sum` adds up over impacts; write `integral(force(floor)^2)` in \
          `minimize`, or an impulse";
-    sum_of_an_output_of_a_force: "outputs { push: N = force(floor) } minimize sum(push)" =>
+    sum_of_an_output_of_a_force: ball "outputs { push: N = force(floor) } minimize sum(push)" =>
         "E24: `push` contains the force of a contact, which acts over a time, and `sum` adds up over impacts; write \
          `integral(...)` in `minimize`";
-    sum_without_an_impulse: "minimize sum(z^2)" =>
+    sum_without_an_impulse: ball "minimize sum(z^2)" =>
         "E24: `z^2` contains no impulse, and `sum` adds up over impacts; use `impulse(...)` of a surface in it";
-    sum_of_what_jumps: "minimize sum(impulse(floor)*dot(y)) + sum(u*impulse(floor))" =>
+    sum_of_what_jumps: ball "minimize sum(impulse(floor)*dot(y)) + sum(u*impulse(floor))" =>
         "E24: `impulse(floor)*dot(y)` stands where impulses act, at impacts, and contains a velocity, which jumps there; \
          use coordinates, the time and impulses",
         "E24: `u*impulse(floor)` stands where impulses act, at impacts, and contains a control, which has no part in it; \
          use coordinates, the time and impulses";
-    sum_of_several: "minimize sum(impulse(floor), impulse(wall))" =>
+    sum_of_several: ball "minimize sum(impulse(floor), impulse(wall))" =>
         "E02: `sum` takes 1 argument, found 2";
-    sum_in_other_places: "constraint soft: sum(impulse(floor)) <= 3 [N s] minimize integral(sum(impulse(floor)^2))" =>
+    sum_in_other_places: ball "constraint soft: sum(impulse(floor)) <= 3 [N s] minimize integral(sum(impulse(floor)^2))" =>
         "E24: `sum` adds a function of impulses up over all impacts; it stands in `minimize` and `finally` only, and not \
          within `integral` or another `sum`";
-    sum_in_another_unit: "finally { sum(impulse(floor)^2) <= 3 [N s] }" =>
+    sum_in_another_unit: ball "finally { sum(impulse(floor)^2) <= 3 [N s] }" =>
         "E03: units differ: `sum(impulse(floor)^2)` is in kg^2 m^2/s^2, `3 [N s]` is in N s; both sides of a terminal \
          condition must agree";
-    impulse_beside_what_jumps: "constraint soft: impulse(floor) <= m*dot(y)" =>
+    impulse_beside_what_jumps: ball "constraint soft: impulse(floor) <= m*dot(y)" =>
         "E24: `m*dot(y)` stands where impulses act, at impacts, and contains a velocity, which jumps there; use \
          coordinates, the time and impulses";
-    impulse_beside_a_force: "constraint soft: impulse(floor) + force(wall)*1 [s] <= 3 [N s]" =>
+    impulse_beside_a_force: ball "constraint soft: impulse(floor) + force(wall)*1 [s] <= 3 [N s]" =>
         "E24: `impulse(floor) + force(wall)*1 [s]` stands where impulses act, at impacts, and contains a force, which has \
          no part in it; use coordinates, the time and impulses";
-    root_of_a_force: "minimize integral(sqrt(force(floor)))" =>
+    root_of_a_force: ball "minimize integral(sqrt(force(floor)))" =>
         "E13: `sqrt(force(floor))` has a root, a logarithm or the reciprocal of the force or impulse of a contact, which \
          is 0 while the contact is open; use powers of it, as in `force(ground)^2`";
-    reciprocal_of_an_impulse: "minimize sum(1/impulse(wall))" =>
+    reciprocal_of_an_impulse: ball "minimize sum(1/impulse(wall))" =>
         "E13: `sum(1/impulse(wall))` has a root, a logarithm or the reciprocal of the force or impulse of a contact, which is 0 \
          while the contact is open; use powers of it, as in `force(ground)^2`";
-    friction_of_a_contact_without_in_an_objective: "minimize integral(friction_force(wall)^2)" =>
+    friction_of_a_contact_without_in_an_objective: ball "minimize integral(friction_force(wall)^2)" =>
         "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
          `friction_force(wall)` out";
-    rate_of_an_impulse: "outputs { push: N = dot(impulse(floor)) }" =>
+    rate_of_an_impulse: ball "outputs { push: N = dot(impulse(floor)) }" =>
         "`dot(impulse(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
-    edges_are_recorded_and_drawn:
+    edges_are_recorded_and_drawn: ball
         "fn roof(w) = max(-w, w/2, r) outputs { depth: m = max(r - z, 0 [m], y), far: m = |y| + abs(z) - min(y, z) } \
          picture { circle ball at (|y|, roof(y)) radius min(r, 1 [m]) angle |a|, curve top: (w, roof(w)) over w }"
         => "accepted";
-    edges_of_other_units: "outputs { depth: m = max(r - z, 0) } picture { point ball at (max(y, 1 [s]), z) }" =>
+    edges_of_other_units: ball "outputs { depth: m = max(r - z, 0) } picture { point ball at (max(y, 1 [s]), z) }" =>
         "E03: units differ: `y` is in m, `1 [s]` is in s; the arguments of `max` must agree";
-    output_with_an_edge_in_an_objective:
+    output_with_an_edge_in_an_objective: ball
         "outputs { depth: m = max(r - z, 0) } minimize integral(depth)" =>
         "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
          `picture` only";
-    output_with_an_edge_at_the_end: "outputs { depth: m = max(r - z, 0) } finally { depth == 0 [m] }" =>
+    output_with_an_edge_at_the_end: ball "outputs { depth: m = max(r - z, 0) } finally { depth == 0 [m] }" =>
         "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
          `picture` only";
-    output_with_an_edge_in_a_surface: "outputs { depth: m = max(r - z, 0) } surface roof: depth >= y" =>
+    output_with_an_edge_in_a_surface: ball "outputs { depth: m = max(r - z, 0) } surface roof: depth >= y" =>
         "E12: `depth` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` and \
          `picture` only";
-    rate_of_an_edge: "outputs { speed: m/s = dot(|y|) }" =>
+    rate_of_an_edge: ball "outputs { speed: m/s = dot(|y|) }" =>
         "E12: `|y|` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
-    jump_in_an_output: "outputs { way = sign(dot(y)), side = if y >= 0 [m] { 1 } else { -1 } }" => "accepted";
-    rounding_in_an_output: "outputs { way = floor(y/r) }" =>
+    jump_in_an_output: ball "outputs { way = sign(dot(y)), side = if y >= 0 [m] { 1 } else { -1 } }" => "accepted";
+    rounding_in_an_output: ball "outputs { way = floor(y/r) }" =>
         "E12: `floor` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion \
          switches";
-    output_twice: "outputs { z: m = y, height: m = z, height: m = z }" =>
+    output_twice: ball "outputs { z: m = y, height: m = z, height: m = z }" =>
         "E19: `z` is declared twice; rename this output",
         "E19: `height` is declared twice; rename this output";
-    vector_as_an_output: "outputs { place: m = p }" =>
+    vector_as_an_output: ball "outputs { place: m = p }" =>
         "E02: `p` is a vector with 2 components, and an output is a number; record its components one by one, as in \
          `place_y = (p).y`";
-    output_before_it_is_declared: "constraint low: height <= 3[m] outputs { height: m = z }" =>
+    output_before_it_is_declared: ball "constraint low: height <= 3[m] outputs { height: m = z }" =>
         "E01: `height` is declared further down; move its declaration up";
-    output_with_an_unknown_name: "outputs { height: m = zz, twice: m = 2*height }" =>
+    output_with_an_unknown_name: ball "outputs { height: m = zz, twice: m = 2*height }" =>
         "E01: `zz` is not declared; add it to `parameters` or `coordinates` (declared: `a`, `g`, `m`, `p`, `r`, `u`, `y`, \
          `z`)";
-    force_of_nothing: "outputs { push: N = force(flor), a1: N = force(z + 1), a2: N = force(roof, wall) }" =>
+    force_of_nothing: ball "outputs { push: N = force(flor), a1: N = force(z + 1), a2: N = force(roof, wall) }" =>
         "E01: there is no surface `flor` above; did you mean `floor`?",
         "E02: `force` takes the name of a surface, as in `force(ground)`";
-    force_of_a_surface_below: "outputs { push: N = force(ramp) } surface ramp: z >= y impact ramp: inelastic" =>
+    force_of_a_surface_below: ball "outputs { push: N = force(ramp) } surface ramp: z >= y impact ramp: inelastic" =>
         "E01: there is no surface `ramp` above (declared: `floor`, `wall`)";
-    friction_of_a_contact_without: "outputs { rub: N = friction_force(wall) }" =>
+    friction_of_a_contact_without: ball "outputs { rub: N = friction_force(wall) }" =>
         "E24: contact `wall` has no friction; declare it by `impact wall: ..., friction mu`, or leave \
          `friction_force(wall)` out";
-    force_in_the_dynamics: "dissipation force(floor)*dot(y)^2" =>
+    force_in_the_dynamics: ball "dissipation force(floor)*dot(y)^2" =>
         "E24: `force` of a contact follows from the motion; it can be used in `outputs`, `minimize`, `constraint` and \
          `finally` only";
-    output_of_a_force_in_the_dynamics: "outputs { push: N = force(floor) } forces { y: push }" =>
+    output_of_a_force_in_the_dynamics: ball "outputs { push: N = force(floor) } forces { y: push }" =>
         "E24: `push` contains the force or the impulse of a contact, which follows from the motion; it can be used in \
          `outputs`, `minimize`, `constraint` and `finally` only";
-    rate_of_a_force: "outputs { push: N/s = dot(force(floor)) }" =>
+    rate_of_a_force: ball "outputs { push: N/s = dot(force(floor)) }" =>
         "`dot(force(floor))` needs the derivative of what a contact does, which may jump; take `dot` of positions only";
 
     // Pictures.
-    unknown_shape: "picture { points p, ellipse q }" =>
+    unknown_shape: ball "picture { points p, ellipse q }" =>
         "unknown shape `points`; did you mean `point`?",
         "unknown shape `ellipse`; a picture is made of `point`, `circle`, `rectangle`, `polygon`, `link`, `spring`, \
          `curve`";
-    shapes_without_their_form: "picture { circle ball at p, rectangle box at p, polygon roof at p }" =>
+    shapes_without_their_form: ball "picture { circle ball at p, rectangle box at p, polygon roof at p }" =>
         "circle `ball` needs a radius, as in `circle ball at (y, z) radius 0.1 [m]`",
         "rectangle `box` needs a size, as in `rectangle box at (y, z) size (0.2 [m], 0.1 [m])`",
         "polygon `roof` needs its corners, as in `polygon roof at (y, z) corners ((0, 0), (l, 0), (0, l))`";
-    property_of_another_shape: "picture { point ball at p radius r, circle disc at p radius r radius r }" =>
+    property_of_another_shape: ball "picture { point ball at p radius r, circle disc at p radius r radius r }" =>
         "a point has `at`, `angle`, no `radius`",
         "`radius` is given twice for `disc`; keep one";
-    missing_comma: "picture { point p point ball at p }" =>
+    missing_comma: ball "picture { point p point ball at p }" =>
         "a comma is missing before `point`";
-    bare_lengths: "picture { circle ball at (y, 1) radius 0.2 }" =>
+    bare_lengths: ball "picture { circle ball at (y, 1) radius 0.2 }" =>
         "E03: units differ: `1` has no unit, where m is needed (it is a place in the picture); a bare number has no \
          unit, write it in brackets, as in `1 [m]`",
         "E03: units differ: `0.2` has no unit, where m is needed (it is the size of `ball`); a bare number has no \
          unit, write it in brackets, as in `0.2 [m]`";
-    angle_that_is_a_length: "picture { point ball at p angle z }" =>
+    angle_that_is_a_length: ball "picture { point ball at p angle z }" =>
         "E03: units differ: `the angle of a body` needs a pure number, `z` is in m";
-    place_of_other_components: "picture { point ball at z, point other at (y, z, z), link p to 2*r }" =>
+    place_of_other_components: ball "picture { point ball at z, point other at (y, z, z), link p to 2*r }" =>
         "E02: `z` is no place in the picture; write a horizontal and a vertical component, as in `(y, z)`",
         "E02: `(y, z, z)` has 3 components, and a picture shows 2; write the two that are to be seen, as in `(p.x, p.z)`",
         "E02: `2*r` is no place in the picture; write a horizontal and a vertical component, as in `(y, z)`";
-    body_without_a_place: "picture { point ball }" =>
+    body_without_a_place: ball "picture { point ball }" =>
         "E01: `ball` is not declared; add it to `parameters` or `coordinates` (declared: `a`, `g`, `m`, `p`, `r`, `u`, \
          `y`, `z`)";
-    end_at_no_body: "picture { link ball to p }" =>
+    end_at_no_body: ball "picture { link ball to p }" =>
         "E01: there is no body `ball` above; draw it before, as in `point ball at (y, z)`, or write a place";
-    drawn_twice: "picture { point ball at p, curve ball: (w, 0) over w }" =>
+    drawn_twice: ball "picture { point ball at p, curve ball: (w, 0) over w }" =>
         "E19: `ball` is drawn twice; rename one";
-    form_that_moves: "picture { circle ball at p radius z, curve ground: (w, z) over w }" =>
+    form_that_moves: ball "picture { circle ball at p radius z, curve ground: (w, z) over w }" =>
         "E24: the form of `ball` depends on the coordinate `z`; it may depend on parameters only, what moves is the place \
          and the angle of a body",
         "E24: the form of `ground` depends on the coordinate `z`; it may depend on parameters only, what moves is the \
          place and the angle of a body";
-    force_in_a_picture: "picture { point ball at (y, z + r*force(floor)/(m*g)) }" =>
+    force_in_a_picture: ball "picture { point ball at (y, z + r*force(floor)/(m*g)) }" =>
         "E24: `force` of a contact follows from the motion; it can be used in `outputs`, `minimize`, `constraint` and \
          `finally` only";
-    curve_without_its_number: "picture { curve ground: (w, 0), curve other (w, 0) over w }" =>
+    curve_without_its_number: ball "picture { curve ground: (w, 0), curve other (w, 0) over w }" =>
         "expected `over` and the number that runs along the curve, as in `(w, h(w)) over w`, found `,`",
         "expected `:` after the curve's name, as in `curve track: (w, h(w)) over w`, found `(`";
-    range_of_two_units: "picture { curve ground: (0, 0) over w in 1[s]..=2[m] }" =>
+    range_of_two_units: ball "picture { curve ground: (0, 0) over w in 1[s]..=2[m] }" =>
         "E03: units differ: `1 [s]` is in s, `2 [m]` is in m; both ends of `w` must agree";
-    two_corners: "picture { polygon line at p corners ((0, 0), (r, r)) }" =>
+    two_corners: ball "picture { polygon line at p corners ((0, 0), (r, r)) }" =>
         "a polygon has three corners or more, as in `((0, 0), (l, 0), (0, l))`";
-    two_pictures: "picture { point p } picture { point p }" =>
+    two_pictures: ball "picture { point p } picture { point p }" =>
         "a scene has one `picture`; put all shapes into it";
-    line_without_an_end: "picture { link p }" =>
+    line_without_an_end: ball "picture { link p }" =>
         "expected `to`, as in `link a to b`, found the end";
 }
 

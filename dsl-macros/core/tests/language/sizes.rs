@@ -1,14 +1,10 @@
 //! How many operations the functions of a scene take: counts, which are deterministic.
 
-use hangtime_dsl::describe_text;
 use hangtime_dsl::description::Description;
 
-/// What is derived of a scene without mistakes.
+/// What is derived of a scene, whatever it is warned of.
 fn described(text: &str) -> Description {
-    match describe_text(text, "scene") {
-        Ok((description, _)) => description,
-        Err(mistakes) => panic!("{}", mistakes[0].message),
-    }
+    crate::derived(text).0
 }
 
 /// Operations of the kernels whose names begin so.

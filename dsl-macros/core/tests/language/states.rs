@@ -105,9 +105,7 @@ fn products_of_switches_that_follow_each_other_are_sums() {
 
 /// The scene that statements declare.
 fn described(text: &str) -> Declaration {
-    let (description, warnings) = hangtime_dsl::describe_text(text, "scene").expect("no mistakes");
-    assert!(warnings.is_empty());
-    description.structure.declaration
+    crate::described(text).structure.declaration
 }
 
 #[test]
@@ -158,7 +156,6 @@ fn smooth_powers_of_kinks_are_no_switches_and_each_other_one_is_a_contact() {
 #[test]
 fn choices_are_formatted_in_one_line() {
     let text = "states{x,y}\nrates{x:if x>=0{3}else if x>=-1{2}else{1},y:(if x<1{x-y}else{-y})+sign( x )*2}\nhorizon 2";
-    let formatted = hangtime_dsl::format_text(text, "scene").expect("no mistakes");
     let wanted = "\
 states { x, y }
 rates {
@@ -167,9 +164,5 @@ rates {
 }
 horizon 2
 ";
-    assert_eq!(formatted, wanted);
-    assert_eq!(
-        hangtime_dsl::format_text(&formatted, "scene").expect("no mistakes"),
-        wanted
-    );
+    assert_eq!(crate::formatted(text), wanted);
 }

@@ -1,21 +1,5 @@
 //! Where newcomers stumble: a table of mistakes, each with its code, its place, and what the message says to write.
 
-use hangtime_dsl::{TextMistake, describe_text};
-
-/// What is found in a text: mistakes, or else warnings.
-fn found(text: &str) -> Vec<TextMistake> {
-    match describe_text(text, "scene") {
-        Ok((_, warnings)) => {
-            assert!(warnings.iter().all(|found| found.warning), "{text}");
-            warnings
-        }
-        Err(mistakes) => {
-            assert!(mistakes.iter().any(|found| !found.warning), "{text}");
-            mistakes
-        }
-    }
-}
-
 /// A point mass in a plane, a pendulum, and what is written into them.
 fn scene(statements: &str) -> String {
     let pendulum = statements.contains("theta");
@@ -38,44 +22,8 @@ fn scene(statements: &str) -> String {
     }
 }
 
-/// Each text, a line, with its mistakes in order, on indented lines: the code unless it is plain syntax, the place, and behind `=>` a
-/// part of the message. The lines of a table begin at its ninth column.
-fn assert_answers(table: &str) {
-    let lines = table.lines().map(|line| line.get(8..).unwrap_or_default());
-    let mut lines = lines
-        .filter(|line| !line.is_empty() && !line.starts_with("//"))
-        .peekable();
-    while let Some(statements) = lines.next() {
-        let text = scene(&statements.replace("\\n", "\n"));
-        let found = found(&text);
-        let shown: Vec<String> = found.iter().map(TextMistake::text).collect();
-        let mut wanted = Vec::new();
-        while let Some(line) = lines.next_if(|line| line.starts_with(' ')) {
-            wanted.push(
-                line.trim()
-                    .split_once(" => ")
-                    .expect("a place and a message"),
-            );
-        }
-        assert_eq!(found.len(), wanted.len(), "{text}\n{shown:#?}");
-        for (mistake, (place, remedy)) in found.iter().zip(wanted) {
-            let code = mistake
-                .code
-                .map_or_else(String::new, |code| format!("{code} "));
-            let found = code + &text[mistake.place.clone()];
-            assert_eq!(found, place, "{text}\n{shown:#?}");
-            assert!(
-                mistake.message.contains(remedy),
-                "{text}\n{shown:#?}\n{remedy}"
-            );
-        }
-    }
-}
-
-#[test]
-fn rates_and_functions_are_answered_by_what_to_write() {
-    assert_answers(
-        r"
+answers! {
+    rates_and_functions_are_answered_by_what_to_write: scene => r"
         lagrangian m/2*y'^2 + m/2*z'^2
             y' => `dot(y)`
             z' => `dot(z)`
@@ -97,14 +45,8 @@ fn rates_and_functions_are_answered_by_what_to_write() {
             (theta/2).cos() => `cos(theta/2)`
         lagrangian m/2*l^2*dot(theta)^2 + m*g*l*cos 2*theta
             cos => `cos(2*theta)`
-        ",
-    );
-}
-
-#[test]
-fn numbers_are_answered_by_what_to_write() {
-    assert_answers(
-        r"
+        ";
+    numbers_are_answered_by_what_to_write: scene => r"
         parameters { m: kg = 1 kg, g = 9.81 m/s^2 } coordinates { y: m, z: m }
             1 kg => write `1 [kg]`
             9.81 m/s^2 => write `9.81 [m/s^2]`
@@ -127,14 +69,8 @@ fn numbers_are_answered_by_what_to_write() {
             E01 PI => the number is `pi`
         lagrangian m/2*|dot((y, z))|^2 - m*g*z*std::f64::consts::PI
             std::f64::consts::PI => write `pi`
-        ",
-    );
-}
-
-#[test]
-fn missing_parts_are_answered_by_what_to_write() {
-    assert_answers(
-        r"
+        ";
+    missing_parts_are_answered_by_what_to_write: scene => r"
         parameters { m: kg = 1 g: m/s^2 = 9.81 } coordinates { y: m z: m }
             g => a comma is missing before `g`
             z => a comma is missing before `z`
@@ -154,14 +90,8 @@ fn missing_parts_are_answered_by_what_to_write() {
             restitution => as in `restitution 0.5`
         surface a: z >= 0 impact a: restitution = 0.7
             = => write `restitution 0.7`
-        ",
-    );
-}
-
-#[test]
-fn habits_of_other_languages_are_answered_by_what_to_write() {
-    assert_answers(
-        r"
+        ";
+    habits_of_other_languages_are_answered_by_what_to_write: scene => r"
         lagrangian m/2*pow(dot(y), 2) + m/2*d(z)^2
             E01 pow => `x^2`
             E01 d => `dot(y)`
@@ -181,41 +111,8 @@ fn habits_of_other_languages_are_answered_by_what_to_write() {
             y' => `dot(y)`
         surface z >= 0
             > => as in `surface ground: z >= 0`
-        ",
-    );
-}
-
-#[test]
-fn surfaces_that_nothing_ever_touches_are_doubted() {
-    let of = |gap: &str| format!("surface a: {gap} impact a: inelastic start {{ z: 1 [m] }}");
-    let at_angle = |gap: &str| format!("surface a: {gap} impact a: inelastic");
-    for (text, least) in [
-        (at_angle("sin(theta) <= 2"), "nowhere less than 1;"),
-        (of("y^2 + z^2 + 1 [m^2] >= 0"), "nowhere less than 1 m^2;"),
-        (of("sqrt(y^2 + z^2) >= -0.25 [m]"), "0.25 m;"),
-        (of("1/(1 + (y/1 [m])^2) <= 3"), "less than 2;"),
-        (of("exp(-z/1 [m]) + tanh(y/1 [m]) >= -3"), "less than 2;"),
-        (of("max(z, y^2/1 [m] + 2 [m]) >= 0"), "less than 2 m;"),
-    ] {
-        assert_answers(&format!("        {text}\n            E07 a => {least}"));
-    }
-    // What can be touched at one place, or by one piece, is not.
-    for gap in [
-        "cos(y/1 [m]) <= 1",
-        "exp(y/1 [m]) >= 0",
-        "z^2/1 [m] + y >= -2 [m]",
-        "min(z, y^2/1 [m] + 2 [m]) >= 0",
-        "1/(y + 2 [m]) >= -1/1 [m]",
-        "z >= 0.1*t*1 [m/s]",
-    ] {
-        assert_answers(&format!("        {}", of(gap)));
-    }
-}
-
-#[test]
-fn places_and_angles_are_doubted_where_they_are_written() {
-    assert_answers(
-        r"
+        ";
+    places_and_angles_are_doubted_where_they_are_written: scene => r"
         surface a: z >= 1 [m] impact a: inelastic start { y: 7, z: 0.25 }
             E08 0.25 => gap of surface `a` is -0.75 m < 0
         surface a: z >= 1 [m] impact a: inelastic
@@ -233,14 +130,8 @@ fn places_and_angles_are_doubted_where_they_are_written() {
         constraint c: sin(theta) <= cos(30 [deg]) + sin(2)
         let a = y
             E16 a => leave it out
-        ",
-    );
-}
-
-#[test]
-fn units_and_unused_names_hide_no_other_mistakes() {
-    assert_answers(
-        r"
+        ";
+    units_and_unused_names_hide_no_other_mistakes: scene => r"
         // Units that differ, an unused name, a start inside the ground.
         let a = y lagrangian m/2*|dot((y, z))|^2 - m*g surface f: z >= 1 [m] impact f: inelastic start { z: 0.5 }
             E16 a => never used
@@ -265,14 +156,8 @@ fn units_and_unused_names_hide_no_other_mistakes() {
         // What could not be read is no start at zero.
         surface f: z >= 1 [m] impact f: inelastic start { z: 2 ~ }
             ~ => expected `,` or `}`
-        ",
-    );
-}
-
-#[test]
-fn mistakes_stand_at_the_words_that_make_them() {
-    assert_answers(
-        r"
+        ";
+    mistakes_stand_at_the_words_that_make_them: scene => r"
         constraint top: z <= 3 [m] free { dot(y) in 1..=3, z in 2..=1 } start { dot(y): 4 }
             E17 2..=1 => lower bound 2 of `z` lies above its upper bound 1
             E17 4 => `dot(y)` starts at 4, outside its bounds 1..=3
@@ -330,6 +215,88 @@ fn mistakes_stand_at_the_words_that_make_them() {
             E03 - => `45` has no unit, `y/2` is in m
         lagrangian m/2*dot((y, z)) - m*g*z
             E02 - => both must have the same size
-        ",
-    );
+        ";
+    planted_slips_are_caught_where_they_were_made: scene => r"
+        // A square too many, and one forgotten.
+        lagrangian m/2*dot(y)^2^2 + m/2*dot(z)^2 - m*g*z
+            ^ => put the inner one in parentheses, as in `dot(y)^(2^2)`
+        lagrangian m/2*|dot((y, z))| - m*g*z
+            E13 m/2*|dot((y, z))| - m*g*z => a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`
+        // Potential minus kinetic energy.
+        parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { z: m } lagrangian m*g*z - m/2*dot(z)^2
+            E06 z => the kinetic energy of a motion with dot(z) = 1 is negative … check its signs and the masses
+        // One wrong sign in the kinetic energy, which shows in a combination of two motions only.
+        parameters { m: kg = 1, k: N/m = 3 } coordinates { y: m, z: m } lagrangian m/2*(dot(y) + 2*dot(z))^2 - m/2*dot(z)^2 - k/2*y^2
+            E06 z => the kinetic energy of a motion with dot(y) = -2, dot(z) = 1 is negative
+        // A mass that is zero.
+        parameters { m: kg = 0 } coordinates { z: m } lagrangian m/2*dot(z)^2 start { z: 1 }
+            E06 z => not positive definite at the start … a motion with dot(z) = 1 has no kinetic energy … start elsewhere
+        // Damping that drives.
+        dissipation -0.1 [N s/m]*dot(y)^2
+            E10 -0.1 [N s/m]*dot(y)^2 => it feeds energy into `dot(y)`; a damper is written with a plus sign, as in `c/2*dot(y)^2`
+        // Mass and length exchanged.
+        parameters { m: m = 80, l: kg = 2, g: m/s^2 = 9.81 } coordinates { a: rad } lagrangian m/2*|dot(l*(sin(a), -cos(a)))|^2 + m*g*l*cos(a)
+            E03 + => `m/2*|dot(l*(sin(a), -cos(a)))|^2` is in kg^2 m/s^2, `m*g*l*cos(a)` is in J; both sides of `+` must agree
+        // A distance for a speed.
+        start { z: 1, dot(y): 15 [km] }
+            E03 15 [km] => `15 [km]` is in m, where m/s is needed (it is the start value of `dot(y)`)
+        // A number without its unit, and a length for an angle.
+        surface wall: y >= 3 impact wall: inelastic
+            E03 y >= 3 => `y` is in m, `3` has no unit … write it in brackets, as in `3 [m]`
+        lagrangian m/2*|dot((y, z))|^2 - m*g*(z + 1 [m]*sin(y))
+            E03 y => `sin` needs a pure number, `y` is in m
+        // The free side of the ground exchanged, and a start below a slope.
+        surface ground: z <= 0 impact ground: inelastic start { z: 2 }
+            E08 2 => the gap of surface `ground` is -2 m < 0; start at a gap of 0 or more, or exchange `>=` and `<=`
+        fn slope(y) = 4 [m] - y/2 surface hill: z >= slope(y) impact hill: inelastic start { y: 5, z: 1 }
+            E08 1 => the start lies inside the ground: with the defaults of the parameters the gap of surface `hill` is -0.5 m < 0
+        // Centimetres for metres.
+        parameters { m: kg = 1 } coordinates { z: m in 0..=9 } lagrangian m/2*dot(z)^2 start { z: 50 }
+            E17 50 => `z` starts at 50, outside its bounds 0..=9
+        // A rotation of the plane for a vector of space.
+        let p = rotation(y/1 [m])*(y, z, 0) lagrangian m/2*|dot(p)|^2 - m*g*z
+            E02 * => a 2 by 2 matrix (`rotation(y/1 [m])`) and a vector with 3 components (`(y, z, 0)`)
+        // A misspelt name.
+        lagrangian m/2*|dot((y, z))|^2 - m*G*z
+            E01 G => `G` is not declared; did you mean `g`?
+    ";
+    start_that_other_parameters_decide_is_left_to_the_run: str::to_owned => r"
+        // Zero is no declared start: polar coordinates are singular there, and the ground may be above it.
+        coordinates { r, a } lagrangian dot(r)^2 + r^2*dot(a)^2 surface ground: r >= 1 impact ground: inelastic
+            E08 ground => no `start` is declared
+        // A start that is to be found is not a given one.
+        coordinates { z } lagrangian dot(z)^2 surface ground: z >= 1 impact ground: inelastic start { z: 0 } free { z } minimize time finally { z == 2 }
+        // On the ground up to rounding.
+        parameters { a = 0.1 } coordinates { z } lagrangian dot(z)^2 surface ground: z >= 3*a impact ground: inelastic start { z: 0.3 }
+    ";
+}
+
+#[test]
+fn surfaces_that_nothing_ever_touches_are_doubted() {
+    let of = |gap: &str| format!("surface a: {gap} impact a: inelastic start {{ z: 1 [m] }}");
+    let at_angle = |gap: &str| format!("surface a: {gap} impact a: inelastic");
+    for (text, least) in [
+        (at_angle("sin(theta) <= 2"), "nowhere less than 1;"),
+        (of("y^2 + z^2 + 1 [m^2] >= 0"), "nowhere less than 1 m^2;"),
+        (of("sqrt(y^2 + z^2) >= -0.25 [m]"), "0.25 m;"),
+        (of("1/(1 + (y/1 [m])^2) <= 3"), "less than 2;"),
+        (of("exp(-z/1 [m]) + tanh(y/1 [m]) >= -3"), "less than 2;"),
+        (of("max(z, y^2/1 [m] + 2 [m]) >= 0"), "less than 2 m;"),
+    ] {
+        crate::assert_answers(
+            scene,
+            &format!("        {text}\n            E07 a => {least}"),
+        );
+    }
+    // What can be touched at one place, or by one piece, is not.
+    for gap in [
+        "cos(y/1 [m]) <= 1",
+        "exp(y/1 [m]) >= 0",
+        "z^2/1 [m] + y >= -2 [m]",
+        "min(z, y^2/1 [m] + 2 [m]) >= 0",
+        "1/(y + 2 [m]) >= -1/1 [m]",
+        "z >= 0.1*t*1 [m/s]",
+    ] {
+        crate::assert_answers(scene, &format!("        {}", of(gap)));
+    }
 }

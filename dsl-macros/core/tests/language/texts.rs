@@ -41,7 +41,7 @@ fn numbers_may_begin_with_their_point_and_units_have_fractional_powers() {
     assert!(warnings.is_empty(), "{warnings:?}");
     let k = derived.structure.declaration.parameters[0];
     assert_eq!((k.unit, k.default), ("N/m^1.5", 500.0));
-    let formatted = hangtime_dsl::format_text(text, "s").expect("no mistakes");
+    let formatted = crate::formatted(text);
     assert!(formatted.contains("- .25[N/m]*x"), "{formatted}");
 }
 
@@ -111,55 +111,31 @@ fn product_of_two_thousand_factors_is_derived_on_a_stack_of_a_megabyte() {
     assert!(derived.unwrap().join().unwrap());
 }
 
-#[test]
-fn misspelt_statement_at_the_begin_of_a_text_is_named_there_once() {
+/// What stands behind the first statement of a scene, for `BALL`.
+fn with_ball(text: &str) -> String {
     let ball = "lagrangian dot(z)^2/2 surface floor: z >= 0 impact floor: inelastic start { z: 1 }";
-    for (text, word, words) in [
-        ("coordnate x", "coordnate", "`coordinates`"),
-        ("Coordinate { z }", "Coordinate", "`coordinates`"),
-        (
-            &format!("coordnates {{ z }} {ball}"),
-            "coordnates",
-            "`coordinates`",
-        ),
-        (
-            &format!("parmeters {{ m = 1 }} coordinates {{ z }} {ball}"),
-            "parmeters",
-            "`parameters`",
-        ),
-        (
-            &format!("bogus {{ m: kg = 1 }} coordinates {{ z }} {ball}"),
-            "bogus",
-            "begins with `parameters`, `coordinates`",
-        ),
-        (
-            &format!("coordinates {{ z }} {}", ball.replace("surface", "surfce")),
-            "surfce",
-            "`surface`",
-        ),
-        (
-            "lagrangean dot(z)^2/2 coordinates { z }",
-            "lagrangean",
-            "`lagrangian`",
-        ),
-        (
-            "fun hill(y) = y^2 coordinates { z } lagrangian dot(z)^2/2 - hill(z)",
-            "fun",
-            "`fn`",
-        ),
-        (
-            "12 coordinates { z } lagrangian dot(z)^2/2",
-            "12",
-            "a statement such as",
-        ),
-    ] {
-        let mistakes = describe_text(text, "ball").unwrap_err();
-        let shown: Vec<String> = mistakes
-            .iter()
-            .map(hangtime_dsl::TextMistake::text)
-            .collect();
-        assert_eq!(shown.len(), 1, "{text}: {shown:?}");
-        assert_eq!(&text[mistakes[0].place.clone()], word, "{shown:?}");
-        assert!(shown[0].contains(words), "{text}: {shown:?}");
-    }
+    text.replace("BALL", ball)
+}
+
+answers! {
+    misspelt_statement_at_the_begin_of_a_text_is_named_there_once: with_ball => r"
+        coordnate x
+            coordnate => `coordinates`
+        Coordinate { z }
+            Coordinate => `coordinates`
+        coordnates { z } BALL
+            coordnates => `coordinates`
+        parmeters { m = 1 } coordinates { z } BALL
+            parmeters => `parameters`
+        bogus { m: kg = 1 } coordinates { z } BALL
+            bogus => begins with `parameters`, `coordinates`
+        coordinates { z } lagrangian dot(z)^2/2 surfce floor: z >= 0 impact floor: inelastic start { z: 1 }
+            surfce => `surface`
+        lagrangean dot(z)^2/2 coordinates { z }
+            lagrangean => `lagrangian`
+        fun hill(y) = y^2 coordinates { z } lagrangian dot(z)^2/2 - hill(z)
+            fun => `fn`
+        12 coordinates { z } lagrangian dot(z)^2/2
+            12 => a statement such as
+    ";
 }
