@@ -51,7 +51,7 @@ pub(crate) const FAMILIES: [Family; 9] = [
     },
     Family {
         name: "stack of boxes that tilt",
-        text: |n| families::stack(n, None),
+        text: families::stack,
         sizes: &[2, 5, 10, 20, 50, 100],
     },
     Family {

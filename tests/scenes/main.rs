@@ -24,7 +24,6 @@ mod scene_files;
 #[path = "../stability/mod.rs"]
 mod stability;
 mod states;
-mod switched;
 mod switches_meet;
 mod teaching_models;
 mod zoo;

@@ -45,7 +45,7 @@ fn default_and_event_driven_agree_on_up_to_forty_contacts() {
     let scenes = [
         families::row(20, "inelastic", 1.0),
         families::tower(20),
-        families::stack(6, None),
+        families::stack(6),
         families::rough_blocks(12),
         families::discs(6),
         families::chain(5),
@@ -198,78 +198,6 @@ fn row_of_fifty_balls_that_is_struck_has_the_velocities_of_moreaus_law() {
     }
 }
 
-/// Discs of weight `w` in rows of `k`, `k - 1`, .. 1 between walls. In the lines at 60 degrees each contact carries half of
-/// `w / cos 30` more than the one above it; what bottom discs and walls share is not determined.
-#[test]
-fn pyramid_of_discs_has_the_forces_of_its_closed_form() {
-    let k: usize = 5;
-    let rise = 0.2 * 0.75_f64.sqrt();
-    let name = |row: usize, j: usize| format!("{row}_{j}");
-    let discs: Vec<(usize, usize)> = (0..k)
-        .flat_map(|row| (0..k - row).map(move |j| (row, j)))
-        .collect();
-    let (mut coordinates, mut energy, mut surfaces, mut start) = (vec![], vec![], vec![], vec![]);
-    let mut wanted = Vec::new();
-    for &(row, j) in &discs {
-        let own = name(row, j);
-        coordinates.push(format!("x{own}: m, z{own}: m"));
-        energy.push(format!("m/2*(dot(x{own})^2 + dot(z{own})^2) - m*g*z{own}"));
-        let (x, z) = (0.1 * row as f64 + 0.2 * j as f64, 0.1 + rise * row as f64);
-        start.push(format!("x{own}: {x:.17} [m], z{own}: {z:.17} [m]"));
-        if row == 0 {
-            surfaces.push((format!("f{own}"), format!("z{own} - 0.1 [m]")));
-            continue;
-        }
-        for (side, below) in [("l", name(row - 1, j)), ("r", name(row - 1, j + 1))] {
-            let gap = format!("|(x{own} - x{below}, z{own} - z{below})| - 0.2 [m]");
-            // The number of discs above along that line, the disc itself included.
-            let along = if side == "l" { k - row - j } else { j + 1 };
-            wanted.push((
-                surfaces.len(),
-                along as f64 * 9.81 / (2.0 * 0.75_f64.sqrt()),
-            ));
-            surfaces.push((format!("{side}{own}"), gap));
-        }
-    }
-    surfaces.push(("left".into(), format!("x{}", name(0, 0))));
-    surfaces.push((
-        "right".into(),
-        format!("{:.17} [m] - x{}", 0.2 * (k - 1) as f64, name(0, k - 1)),
-    ));
-    for j in 1..k {
-        let (one, other) = (name(0, j - 1), name(0, j));
-        surfaces.push((format!("b{j}"), format!("x{other} - x{one} - 0.2 [m]")));
-    }
-    let declared: Vec<String> = surfaces
-        .iter()
-        .map(|(name, gap)| format!("surface {name}: {gap} >= 0"))
-        .collect();
-    let names: Vec<&str> = surfaces.iter().map(|(name, _)| name.as_str()).collect();
-    let text = format!(
-        "parameters {{ m: kg = 1, g: m/s^2 = 9.81 }} coordinates {{ {} }} lagrangian {} {} impact {}: inelastic start {{ {} }} \
-         horizon 0.1 [s]",
-        coordinates.join(", "),
-        energy.join(" + "),
-        declared.join(" "),
-        names.join(", "),
-        start.join(", "),
-    );
-    let scene = scene(&text);
-    for run in [default_run(&scene), event_driven(&scene)] {
-        let forces = last(&run.trajectory.contact_force);
-        for &(contact, force) in &wanted {
-            // Positions are right to 1e-15 of their contacts' distances.
-            let off = (forces[contact] - force).abs();
-            assert!(
-                off < 1e-9,
-                "{}: {} {force}",
-                names[contact],
-                forces[contact]
-            );
-        }
-    }
-}
-
 /// Inelastic impacts and contacts without friction take energy or leave it.
 #[test]
 fn discs_in_a_box_lose_energy_at_impacts_only() {
@@ -277,7 +205,7 @@ fn discs_in_a_box_lose_energy_at_impacts_only() {
     let run = default_run(&scene);
     let energy = |k: usize| {
         let (q, v) = (&run.trajectory.q[k], &run.trajectory.v[k]);
-        let heights: f64 = q.iter().skip(1).step_by(2).sum();
+        let heights: f64 = q[8..].iter().sum();
         0.5 * v.iter().map(|v| v * v).sum::<f64>() + 9.81 * heights
     };
     let largest = energy(0);
@@ -291,16 +219,10 @@ fn discs_in_a_box_lose_energy_at_impacts_only() {
 #[test]
 fn order_of_declarations_changes_nothing() {
     let text = families::tower(16);
-    let backwards = {
-        let (before, rest) = text.split_once(" surface ").expect("surfaces");
-        let (surfaces, after) = rest.split_once(" impact ").expect("impacts");
-        let mut surfaces: Vec<&str> = surfaces.split(" surface ").collect();
-        surfaces.reverse();
-        format!(
-            "{before} surface {} impact {after}",
-            surfaces.join(" surface ")
-        )
-    };
+    let backwards = text
+        .replace("z[k - 1]", "z[n - k]")
+        .replace("k > 1", "k < n");
+    let backwards = backwards.replace("[k in 1..=n]: z[k]", "[k in 1..=n]: z[n + 1 - k]");
     assert_ne!(text, backwards);
     let (one, other) = (scene(&text), scene(&backwards));
     assert!(apart(&default_run(&one), &default_run(&other)) < 1e-10);

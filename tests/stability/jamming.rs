@@ -2,20 +2,6 @@
 
 use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Simulator};
 
-use super::assert_outcomes;
-
-pub(super) const SCENES: &[&str] = &[
-    "below-painleve",
-    "leaning-ladder",
-    "painleve",
-    "sliding-ladder",
-];
-
-#[test]
-fn rods_that_jam_are_told_from_rods_that_slide() {
-    assert_outcomes(SCENES);
-}
-
 hangtime::model! {
     /// A uniform rod, two metres long, whose tip is pushed over a rough floor.
     pub PushedRod {

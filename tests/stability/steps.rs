@@ -3,21 +3,7 @@
 use hangtime::simulation::Fesd;
 use hangtime_scene_files::of_text;
 
-use super::{assert_outcomes, run};
-
-pub(super) const SCENES: &[&str] = &[
-    "bowl",
-    "impact-at-horizon",
-    "impact-at-stage",
-    "impact-at-step-end",
-    "long-fall",
-    "short-horizon",
-];
-
-#[test]
-fn nothing_depends_on_where_steps_end() {
-    assert_outcomes(SCENES);
-}
+use super::run;
 
 #[test]
 fn hundred_thousand_steps_on_curved_ground_lose_no_energy() {

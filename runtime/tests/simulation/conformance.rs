@@ -229,3 +229,21 @@ fn every_method_refuses_what_it_cannot_treat_by_the_same_words() {
         }
     }
 }
+
+#[test]
+fn progress_reports_the_times_of_accepted_steps() {
+    let model = scenes::ball();
+    let mut times = Vec::new();
+    let simulation = EventDriven::default()
+        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |now| {
+            times.push(now.time);
+            true
+        })
+        .expect("the problem is accepted");
+    assert_eq!(simulation.status, SimulationStatus::Solved);
+    // A run to compare with may be stopped as well, but time does not pass in it.
+    assert_eq!(times.first(), Some(&0.0));
+    times.dedup();
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+    assert_eq!(times.last(), Some(&1.0));
+}

@@ -12,6 +12,19 @@ use hangtime::simulation::{
 };
 use proptest::prelude::*;
 
+hangtime::model! {
+    /// A mass on wavy, rough ground, lifted and pushed aside.
+    Wagon {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, a: m = 0.1, w: 1/m = 3 }
+        coordinates { y: m, z: m }
+        controls { push: N, lift: N }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: push, z: lift }
+        surface ground: z - a*sin(w*y) >= 0
+        impact ground: inelastic, friction 0.4
+    }
+}
+
 /// Bounces end here in both simulators [m/s]: high enough for both to tell a bounce from rounding.
 const REST: f64 = 1e-3;
 
@@ -173,5 +186,19 @@ proptest! {
         let q = [0.0, f64::max(front, rear) * phi.abs().sin() + above, phi];
         // The last impacts of a rocking bar are left out, at speeds of about 1e-7.
         agree(&body, &start(&q, &[along, 0.0, spin], 0.3), 1e-8)?;
+    }
+
+    #[test]
+    fn wagon_that_ramps_push_and_lift_moves_alike(
+        values in prop::collection::vec((-15.0..15.0_f64, 0.0..27.5_f64), 6),
+    ) {
+        let problem = InitialValueProblem {
+            controls: ControlSignal::PiecewiseLinear {
+                times: (0..6).map(|k| 0.37 * f64::from(k)).collect(),
+                values: values.iter().map(|&(push, lift)| vec![push, lift]).collect(),
+            },
+            ..start(&[0.0, 0.0], &[0.0, 0.0], 1.8)
+        };
+        agree(&Wagon::default(), &problem, 1e-7)?;
     }
 }

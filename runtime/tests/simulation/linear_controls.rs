@@ -20,8 +20,6 @@ hangtime::model! {
     }
 }
 
-const WEIGHT: f64 = 2.0 * 9.81;
-
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     let simulation = simulator
         .simulate(model, problem, &mut |_| true)
@@ -140,61 +138,4 @@ fn signal_in_the_wrong_shape_is_refused_by_name() {
     );
     let message = refused(vec![0.0, 1.0], vec![vec![0.0], vec![0.0, 1.0]]).to_string();
     assert_eq!(message, "a control value has 2 components, expected 1");
-}
-
-hangtime::model! {
-    /// A mass on wavy, rough ground, lifted and pushed aside.
-    Wagon {
-        parameters { m: kg = 2, g: m/s^2 = 9.81, a: m = 0.1, w: 1/m = 3 }
-        coordinates { y: m, z: m }
-        controls { push: N, lift: N }
-        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-        forces { y: push, z: lift }
-        surface ground: z - a*sin(w*y) >= 0
-        impact ground: inelastic, friction 0.4
-    }
-}
-
-#[test]
-fn random_ramps_over_rough_ground_agree_between_elements_and_event_driven() {
-    let model = Wagon::default();
-    let event = EventDriven {
-        tolerance: 1e-12,
-        ..EventDriven::default()
-    };
-    let elements = Fesd::default().with_tolerance(1e-11);
-    let mut switches = 0;
-    for seed in 0..12_u64 {
-        // SplitMix64, mapped to [0, 1).
-        let mut state = seed;
-        let mut random = || {
-            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = state;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        let values = (0..6).map(|_| vec![30.0 * random() - 15.0, 1.4 * WEIGHT * random()]);
-        let problem = InitialValueProblem {
-            controls: ControlSignal::PiecewiseLinear {
-                times: (0..6).map(|k| 0.37 * k as f64).collect(),
-                values: values.collect(),
-            },
-            ..start(&[0.0, 0.0], &[0.0, 0.0], 1.8)
-        };
-        let [a, b] = [&event as &dyn Simulator, &elements].map(|s| run(s, &model, &problem));
-        let kinds = |s: &Simulation| s.events.iter().map(|e| e.kind).collect::<Vec<_>>();
-        assert_eq!(kinds(&a), kinds(&b), "seed {seed}");
-        switches += a.events.len();
-        for (x, y) in a.events.iter().zip(&b.events) {
-            assert!((x.time - y.time).abs() < 1e-7, "seed {seed}: {x:?} {y:?}");
-        }
-        let ((q, v), (p, w)) = (last(&a.trajectory), last(&b.trajectory));
-        assert!(
-            distance(q, p).max(distance(v, w)) < 1e-7,
-            "seed {seed}: {q:?} {p:?}"
-        );
-    }
-    // Sticking, slipping, taking off and landing all happen.
-    assert!(switches > 30, "{switches}");
 }

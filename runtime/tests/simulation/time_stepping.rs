@@ -159,7 +159,22 @@ fn settings_out_of_range_are_refused() {
             ..Smooth::default()
         },
     ];
-    for simulator in refused {
+    let changes: [fn(&mut EventDriven); 7] = [
+        |event| event.tolerance = 0.0,
+        |event| event.tolerance = f64::NAN,
+        |event| event.tolerance = 1.0,
+        |event| event.max_step = Some(0.0),
+        |event| event.max_step = Some(f64::NAN),
+        |event| event.auxiliary_acceleration = 0.0,
+        |event| event.max_steps = 0,
+    ];
+    let changed = changes.map(|change| {
+        let mut event = EventDriven::default();
+        change(&mut event);
+        event
+    });
+    let event = changed.iter().map(|event| event as &dyn Simulator);
+    for simulator in refused.into_iter().chain(event) {
         let error = simulator
             .simulate(&model, &problem, &mut |_| true)
             .expect_err("the settings are refused");
@@ -168,16 +183,23 @@ fn settings_out_of_range_are_refused() {
 }
 
 #[test]
-fn limit_on_steps_ends_the_smooth_run() {
-    let model = scenes::ball();
-    let simulator = Smooth {
-        max_steps: 20,
-        ..Smooth::default()
-    };
-    let simulation = simulator
-        .simulate(&model, &start(&[0.0, 1.0], &[0.0; 2], 1.0), &mut |_| true)
-        .expect("the problem is accepted");
-    assert!(matches!(simulation.status, SimulationStatus::StepLimit(_)));
+fn limit_on_steps_ends_the_run_with_a_diagnosis() {
+    let (mut smooth, mut event) = (Smooth::default(), EventDriven::default());
+    (smooth.max_steps, event.max_steps) = (20, 5);
+    let (ball, jump) = (scenes::ball(), scenes::ski_jump());
+    let runs: [(&dyn Simulator, &dyn Model, _); 2] = [
+        (&smooth, &ball, start(&[0.0, 1.0], &[0.0; 2], 1.0)),
+        (
+            &event,
+            &jump,
+            start(&scenes::SKI_JUMP_START, &[0.0; 2], 5.0),
+        ),
+    ];
+    for (simulator, model, problem) in runs {
+        let run = simulator.simulate(model, &problem, &mut |_| true);
+        let status = run.expect("the problem is accepted").status;
+        assert!(matches!(status, SimulationStatus::StepLimit(_)));
+    }
 }
 
 #[test]

@@ -297,6 +297,7 @@ facts! { OF_OPTIMUM of found: Solution,
         let apart = found.time_freezing.as_ref()?.objective - found.objective;
         apart.abs() / found.objective.abs().max(1.0)
     };
+    "time_freezing.led_to_motion": f64::from(u8::from(found.time_freezing.as_ref()?.relaxed.led_to_motion));
     "time_freezing.residuals.primal": found.time_freezing.as_ref()?.residuals.primal;
     "time_freezing.residuals.complementarity": found.time_freezing.as_ref()?.residuals.complementarity;
     "time_freezing.left_out": found.time_freezing.as_ref()?.left_out.len() as f64;

@@ -1,7 +1,6 @@
 //! Motions of scenes with joints against closed forms, and against coordinates that need none.
 
 mod control;
-mod freezing;
 mod mechanisms;
 mod random;
 

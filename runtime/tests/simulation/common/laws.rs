@@ -104,19 +104,6 @@ hangtime::model! {
 }
 
 hangtime::model! {
-    /// A mass on the floor, pulled by a hardening spring whose other end `p` moves freely.
-    pub(crate) Pulled {
-        parameters { m: kg = 1, g: m/s^2 = 9.81, stiffness: N/m = 1, hardening: N/m^3 = 0, mu = 0 }
-        coordinates { y: m, z: m, p: m }
-        let stretch = p - y
-        lagrangian m/2*|dot((y, z, p))|^2 - m*g*z
-        forces { y: stiffness*stretch + hardening*stretch^3 }
-        surface ground: z >= 0
-        impact ground: inelastic, friction mu, sliding dot(y)
-    }
-}
-
-hangtime::model! {
     /// A crate of unit mass with friction at each of its four corners against floor and walls.
     pub(crate) RoughCrate {
         parameters {

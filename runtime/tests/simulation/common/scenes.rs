@@ -61,19 +61,6 @@ pub(crate) fn ski_jump() -> SkiJump {
 }
 
 hangtime::model! {
-    /// A block on a floor before a wall, with the floor a second time, in another form: the language refuses to declare one surface twice.
-    pub(crate) DoubleFloor {
-        parameters { mass: kg = 2, g: m/s^2 = 9.81 }
-        coordinates { y: m, z: m }
-        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z
-        surface floor: z >= 0
-        surface wall: y <= 1[m]
-        surface again: sin(z/1[m])*1[m] >= 0
-        impact floor, wall, again: inelastic
-    }
-}
-
-hangtime::model! {
     /// A bar of unit mass with tips at distances `front` and `rear` from its centre and the radius of gyration
     /// `radius`, without friction: on flat ground, `D_12 = (1 - front rear / radius^2) / m` when it is level.
     pub(crate) Bar {
