@@ -2,7 +2,7 @@
 
 /// Pseudo-random numbers by `splitmix64` (Steele, Lea, Flood, *Fast splittable pseudorandom number generators*).
 pub(crate) struct Draw {
-    state: u64,
+    pub(crate) state: u64,
 }
 
 impl Draw {
@@ -29,6 +29,11 @@ impl Draw {
     pub(crate) fn between(&mut self, from: f64, to: f64) -> f64 {
         let unit = (self.next() >> 11) as f64 / (1_u64 << 53) as f64;
         from + (to - from) * unit
+    }
+
+    /// One of the whole numbers below `count`.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        self.between(0.0, count as f64) as usize
     }
 
     /// True with this probability.

@@ -47,7 +47,7 @@ fn law(draw: &mut Draw) -> String {
 
 /// Balls on a line with springs, dry friction, walls that stand or move, and gaps between neighbours.
 fn mixed(draw: &mut Draw) -> String {
-    let count = 2 + draw.between(0.0, 4.0) as usize;
+    let count = 2 + draw.below(4);
     let mut text = Text::default();
     let all = |name: &str| {
         let each = (0..count).map(|k| format!("{name}{k}"));
@@ -160,7 +160,7 @@ fn floors(draw: &mut Draw) -> String {
 
 /// A wheel without a rim, of three to eight spokes, over a flat floor.
 fn wheels(draw: &mut Draw) -> String {
-    let count = 3 + draw.between(0.0, 6.0) as usize;
+    let count = 3 + draw.below(6);
     let radius = draw.between(0.2, 0.6);
     let spoke = |k: usize| {
         let angle = 2.0 * PI * k as f64 / count as f64;
@@ -179,7 +179,7 @@ fn wheels(draw: &mut Draw) -> String {
 
 /// Boxes that slide above each other on rough faces, the lowest on a floor that may shake.
 fn piles(draw: &mut Draw) -> String {
-    let count = 2 + draw.between(0.0, 3.0) as usize;
+    let count = 2 + draw.below(3);
     let mut text = Text::default();
     let names = (0..count).map(|k| format!("y{k}, z{k}"));
     text.line(&format!(
@@ -283,7 +283,7 @@ fn clearances(draw: &mut Draw) -> String {
 /// Rods that are pinned to each other and to a pivot by joints, each a body with three coordinates, with stops between neighbours, over a
 /// rough floor that the end strikes; sometimes with the end on a rail, which closes a loop.
 fn linkages(draw: &mut Draw) -> String {
-    let count = 1 + draw.between(0.0, 3.0) as usize;
+    let count = 1 + draw.below(3);
     let closed = count > 1 && draw.chance(0.3);
     let mut text = Text::default();
     let names = (0..count).map(|k| format!("x{k}: m, z{k}: m, a{k}: rad"));
@@ -404,7 +404,7 @@ fn spatial(draw: &mut Draw) -> String {
 /// that is known: theirs is smooth.
 fn obstacles(draw: &mut Draw, (count, held): (usize, bool), text: &mut Text) {
     let law = law(draw);
-    let friction = match draw.between(0.0, 3.0) as usize {
+    let friction = match draw.below(3) {
         _ if held => None,
         0 => None,
         1 => Some(format!("{:.4}", draw.between(0.1, 0.8))),

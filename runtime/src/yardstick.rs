@@ -1,7 +1,8 @@
 //! The yardstick: shares of what a quantity is measured by, below which the quantity counts as none.
 //!
-//! A threshold is one of these, or a multiple with a reason of its own. Each is a thousand times the one before, so that what one leaves
-//! cannot be taken for what the next one asks.
+//! A threshold of one of these values is stated by its name; one of another value stands where it is used, with its reason. Behind
+//! [`DIGITS`] each is a thousand times the one before, so that what one leaves cannot be taken for what the next one asks. Where nothing
+//! measures a quantity, its own unit does, and a comment says so.
 
 /// Rounding error of a sum of some terms, as a share of the largest of them.
 pub(crate) const DIGITS: f64 = 64.0 * f64::EPSILON;

@@ -7,7 +7,8 @@
 //! - What a contact consists of follows from these and the inertia.
 
 use crate::differences::{Near, equal, slopes};
-use crate::random_texts::{Random, source};
+use crate::draw::Draw;
+use crate::random_texts::{source, stream};
 use hangtime::model::{
     ContactDeclaration, Function, Model, SparsityPattern, contact_point, tangent_point,
 };
@@ -113,7 +114,7 @@ impl Declared<'_> {
     }
 
     /// Lagrange's equations along a random displacement, and the energies; whether they were known.
-    fn moves(&self, x: &[f64], random: &mut Random) -> Result<bool, String> {
+    fn moves(&self, x: &[f64], random: &mut Draw) -> Result<bool, String> {
         let n = self.coordinates;
         let [along, other] = [(); 2].map(|()| vector(random, n));
         let lagrangian = |x: &[f64]| self.acting(x)[0];
@@ -297,8 +298,8 @@ pub(crate) fn run(kernel: &Kernel, parameter: impl Fn(usize) -> f64, x: &[f64]) 
     outputs.map(|&output| values[output as usize]).collect()
 }
 
-fn vector(random: &mut Random, length: usize) -> Vec<f64> {
-    (0..length).map(|_| random.number()).collect()
+fn vector(random: &mut Draw, length: usize) -> Vec<f64> {
+    (0..length).map(|_| random.between(-1.0, 1.0)).collect()
 }
 
 fn inner(a: &[f64], b: &[f64]) -> f64 {
@@ -394,7 +395,7 @@ fn differentiated(
     (name, function): (&str, Function),
     model: &dyn Model,
     x: &[f64],
-    random: &mut Random,
+    random: &mut Draw,
 ) -> Result<bool, String> {
     let signature = model.signature(function).expect("a function");
     let (pattern, triangle) = (signature.jacobian, signature.hessian);
@@ -430,13 +431,13 @@ fn differentiated(
 fn twice(
     model: &dyn Model,
     inputs: usize,
-    mut at: impl FnMut(&[f64], &mut Random) -> Result<bool, String>,
+    mut at: impl FnMut(&[f64], &mut Draw) -> Result<bool, String>,
 ) -> Result<bool, String> {
     let n = model.declaration().coordinates.len();
     let mut start = vec![0.0; inputs.max(2 * n)];
     let (q, v) = start[..2 * n].split_at_mut(n);
     model.start(q, v);
-    let (mut random, mut known) = (Random::new(7), 0);
+    let (mut random, mut known) = (stream(7), 0);
     for distance in DISTANCES {
         let step = vector(&mut random, inputs);
         known += usize::from(at(&moved(&start[..inputs], distance, &step), &mut random)?);
@@ -448,7 +449,7 @@ fn twice(
 }
 
 /// Whether each entry of the patterns of the motion is other than zero somewhere.
-fn is_minimal(model: &dyn Model, random: &mut Random) -> bool {
+fn is_minimal(model: &dyn Model, random: &mut Draw) -> bool {
     let declaration = model.declaration();
     let patterns = [declaration.free_jacobian, declaration.free_hessian];
     let mut nonzero = patterns.map(|pattern| vec![false; pattern.entries.len()]);
@@ -491,7 +492,7 @@ fn check(name: &str, text: &str) -> Result<Vec<String>, String> {
     if !is_known {
         unknown.push("motion".to_owned());
     }
-    if name.starts_with("random") && !is_minimal(&model, &mut Random::new(1)) {
+    if name.starts_with("random") && !is_minimal(&model, &mut stream(1)) {
         unknown.push("minimal patterns".to_owned());
     }
     // What is found is held as coordinates.
@@ -503,9 +504,8 @@ fn check(name: &str, text: &str) -> Result<Vec<String>, String> {
         iter::once(&model as &dyn Model).chain(held.as_ref().map(|held| held as &dyn Model))
     {
         for (name, function) in functions(model) {
-            let at = |x: &[f64], random: &mut Random| {
-                differentiated((&name, function), model, x, random)
-            };
+            let at =
+                |x: &[f64], random: &mut Draw| differentiated((&name, function), model, x, random);
             let inputs = model.signature(function).expect("a function").inputs;
             if !twice(model, inputs, at)? {
                 unknown.push(name);
@@ -553,12 +553,7 @@ fn texts(are_long: bool) -> Vec<(String, String)> {
     if are_long {
         return texts;
     }
-    let random = (0..RANDOM).map(|seed| {
-        (
-            format!("random {seed}"),
-            source(&mut Random::new(seed)).text,
-        )
-    });
+    let random = (0..RANDOM).map(|seed| (format!("random {seed}"), source(&mut stream(seed)).text));
     texts.extend(random);
     texts.sort_by(|a, b| a.1.cmp(&b.1));
     texts.dedup_by(|a, b| a.1 == b.1);

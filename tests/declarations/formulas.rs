@@ -3,7 +3,7 @@
 
 use crate::derivation::run;
 use crate::differences::{rates, slopes};
-use crate::random_texts::{Random, source};
+use crate::random_texts::{source, stream};
 use hangtime::model::Model;
 use hangtime_scene_files::of_text;
 
@@ -24,8 +24,10 @@ fn assert_near(text: &str, found: &[f64], wanted: &[f64]) {
 fn agree(text: &str, wanted: fn(&[f64]) -> Vec<f64>) {
     let model = of_text("scene.hang", text).unwrap_or_else(|error| panic!("{error}"));
     let acting = hangtime_dsl::acting(text, "scene").expect("no mistakes");
-    let (declaration, mut random) = (model.declaration(), Random::new(7));
-    let x: Vec<f64> = (0..declaration.inputs()).map(|_| random.number()).collect();
+    let (declaration, mut random) = (model.declaration(), stream(7));
+    let x: Vec<f64> = (0..declaration.inputs())
+        .map(|_| random.between(-1.0, 1.0))
+        .collect();
     let mut found = run(&acting, |i| model.parameter(i), &x);
     found.extend((0..declaration.contacts.len()).map(|i| model.gap(i, &x)));
     assert_near(text, &found, &wanted(&x));
@@ -126,10 +128,10 @@ fn box_on_a_turntable_has_the_formulas_of_its_matrices() {
 #[test]
 fn random_formulas_have_their_values() {
     for seed in 0..RANDOM {
-        let scene = source(&mut Random::new(seed));
+        let scene = source(&mut stream(seed));
         let acting = hangtime_dsl::acting(&scene.text, "scene").expect("no mistakes");
-        let (n, mut random) = (acting.outputs.len() - 1, Random::new(7));
-        let x: Vec<f64> = (0..=2 * n).map(|_| random.number()).collect();
+        let (n, mut random) = (acting.outputs.len() - 1, stream(7));
+        let x: Vec<f64> = (0..=2 * n).map(|_| random.between(-1.0, 1.0)).collect();
         let found = run(&acting, |i| [0.7, 1.3, 2.0][i], &x);
         let mut wanted = vec![(scene.lagrangian)(&x), (scene.force)(&x)];
         wanted.resize(1 + n, 0.0);

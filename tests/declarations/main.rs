@@ -2,6 +2,9 @@
 
 mod derivation;
 mod differences;
+#[allow(dead_code, reason = "the bench draws more")]
+#[path = "../../benches/agreement/draw.rs"]
+mod draw;
 mod emission;
 mod formulas;
 mod hygiene;

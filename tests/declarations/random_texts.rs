@@ -1,31 +1,13 @@
 //! Random scenes over the grammar, with the values of their formulas.
 
 use crate::differences::rates;
+use crate::draw::Draw;
 use std::fmt::Write;
 
-/// A small generator of random numbers (splitmix64), so that runs repeat exactly.
-pub(crate) struct Random(u64);
-
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x5851_f42d_4c95_7f2d))
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
-    }
-
-    /// Uniform in -1..1.
-    pub(crate) fn number(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+/// The stream of random numbers of a seed.
+pub(crate) fn stream(seed: u64) -> Draw {
+    Draw {
+        state: seed.wrapping_mul(0x5851_f42d_4c95_7f2d),
     }
 }
 
@@ -75,16 +57,16 @@ pub(crate) struct Written {
 }
 
 /// A function of the first `n` inputs that is smooth and moderate for arguments between -1 and 1.
-fn formula(random: &mut Random, (n, f): (u64, Curve), depth: u32) -> (String, Value) {
+fn formula(random: &mut Draw, (n, f): (usize, Curve), depth: u32) -> (String, Value) {
     if depth == 0 {
         let (text, value) = match random.below(4) {
             0 => {
                 let number = 1 + random.below(4);
                 (number.to_string(), number as f64)
             }
-            1 => [("a".to_owned(), A), ("b".to_owned(), B)][random.below(2) as usize].clone(),
+            1 => [("a".to_owned(), A), ("b".to_owned(), B)][random.below(2)].clone(),
             _ => {
-                let i = random.below(n) as usize;
+                let i = random.below(n);
                 return (format!("q{}", i + 1), Box::new(move |x| x[i]));
             }
         };
@@ -115,8 +97,8 @@ fn formula(random: &mut Random, (n, f): (u64, Curve), depth: u32) -> (String, Va
 
 /// A place, half of the time multiplied by a matrix that is not singular.
 fn turned(
-    random: &mut Random,
-    scene: (u64, Curve),
+    random: &mut Draw,
+    scene: (usize, Curve),
     (place, components): (String, [Value; 2]),
 ) -> (String, Place) {
     let (angle, turn) = formula(random, scene, 1);
@@ -148,13 +130,13 @@ fn turned(
 }
 
 /// A random scene: point masses at random places, a random potential, random forces.
-pub(crate) fn source(random: &mut Random) -> Written {
-    let n = 1 + random.below(4) as usize;
+pub(crate) fn source(random: &mut Draw) -> Written {
+    let n = 1 + random.below(4);
     let mut text = String::from("S { parameters { a = 0.7, b = 1.3, m = 2 } coordinates {");
     (1..=n).for_each(|i| text += &format!("q{i}, "));
-    let f = CURVES[random.below(CURVES.len() as u64) as usize];
+    let f = CURVES[random.below(CURVES.len())];
     let _ = write!(text, "}} controls {{ u }} fn f(s) = {} ", f.0);
-    let scene = (n as u64, f);
+    let scene = (n, f);
     let (mut kinetic, mut places) = (Vec::new(), Vec::new());
     for i in 0..n {
         // Masses may move along their own coordinate plus anything of the others: never singular.

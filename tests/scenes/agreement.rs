@@ -45,7 +45,7 @@ fn check(scenes: u64) {
 
 #[test]
 fn solved_runs_of_random_scenes_agree() {
-    check(2);
+    check(6);
 }
 
 #[test]

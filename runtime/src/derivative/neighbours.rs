@@ -121,6 +121,7 @@ impl Known {
         let states = near.end.iter().enumerate().map(|(i, value)| {
             let mut ends = self.ends.iter();
             ends.any(|end| {
+                // Where a body rests at 0 nothing else tells than the units of the scene.
                 let error = ERROR * largest(end).max(yardstick::NOTHING);
                 (value - end[i]).abs() <= JUMP * near.distance * size + error
             })

@@ -5,6 +5,9 @@
 mod block;
 mod check;
 mod document;
+#[allow(dead_code, reason = "the bench draws more")]
+#[path = "../../../benches/agreement/draw.rs"]
+mod draw;
 mod found;
 mod method;
 mod mutation;
@@ -15,8 +18,9 @@ mod statement;
 mod words;
 
 use block::{Block, blocks};
+use draw::Draw;
 use libtest_mimic::{Arguments, Trial};
-use mutation::{Chance, changed};
+use mutation::changed;
 use setting::number;
 use std::collections::BTreeSet;
 use std::fs;
@@ -108,7 +112,7 @@ fn ran(blocks: &[Block]) -> Result<(), String> {
                     failures.push(format!("{place} with{with}\n    by {by}: {why}"));
                 }
             }
-            let changed = changed(expectation, &mut Chance(line.number as u64));
+            let changed = changed(expectation, &mut Draw::new("changes", line.number as u64));
             let looks = check::check(block, &results, &changed);
             if failures.len() == before && looks.iter().any(|look| look.1.is_ok()) {
                 let (claim, moved) = (&changed.claim, changed.moved);

@@ -242,6 +242,7 @@ fn iterate(element: &mut FiniteElement<'_>, apart: bool) -> Result<(), ElementEr
             || (iteration > 0 && contraction < 1.0 && change * contraction <= 0.1 * CONVERGED)
             || (change <= yardstick::ROUNDING && contraction >= 0.3)
             || (change <= rounding_of_gaps(element) && !still_contracts(element, contraction));
+        // Where contacts hold all coordinates, the states are known before the forces are.
         let forces = relative_change_of_forces(element);
         if states && (forces <= yardstick::NOTHING || forces >= 0.3 * last_forces) {
             if element.residual_norm > BEFORE_THE_STEP {

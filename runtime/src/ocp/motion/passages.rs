@@ -131,6 +131,7 @@ impl Reader<'_> {
         let next = self.instants.iter().find(|i| i.time > opening.time)?;
         let acting = self.largest(opening.contact, next)?;
         let here = self.instants.iter().rfind(|i| i.time <= opening.time)?;
+        // Nearer than this to the other piece, in the unit of the gap, it ends at the edge.
         let exact = !self.exact || self.gap(acting, here) > -yardstick::PROMISE;
         (others.contains(&acting) && exact).then_some(acting)
     }
@@ -185,6 +186,7 @@ impl Reader<'_> {
     /// The piece of the edge of a contact that is the largest; that one if others are as large.
     fn largest(&self, contact: usize, instant: &Instant) -> Option<usize> {
         let others = self.model.declaration().contacts[contact].alternatives;
+        // By so much, in the unit of the gap, another one has to exceed it.
         let mut largest = (contact, self.gap(contact, instant) + yardstick::NOTHING);
         for &other in others {
             let gap = self.gap(other, instant);

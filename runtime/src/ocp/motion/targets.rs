@@ -151,6 +151,7 @@ fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f6
         for (z, step) in z.iter_mut().zip(step.iter()) {
             *z -= step;
         }
+        // Singular values and steps are measured in the units of the scene.
         if step.amax() <= yardstick::ROUNDING {
             return;
         }
